@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import dataclasses
 import inspect
+import re
 from collections.abc import Iterator
 from dataclasses import is_dataclass
 from importlib import import_module
@@ -131,9 +132,67 @@ def members(kind: type) -> Iterator[str]:
             yield f"{name}{arguments(getattr(kind, name))}"
 
 
+def documented(door: str) -> Iterator[tuple[str, object]]:
+    """Yield what has documentation of its own among a door's names and their members."""
+    package = import_module(door)
+    for name in getattr(package, "__all__", ()):
+        value = getattr(package, name)
+        if inspect.isclass(value) or inspect.isroutine(value):
+            yield name, value
+        if inspect.isclass(value):
+            for inner, member in vars(value).items():
+                plain_member = getattr(member, "__func__", getattr(member, "fget", member))
+                if inspect.isfunction(plain_member) and not inner.startswith("_"):
+                    yield f"{name}.{inner}", plain_member
+
+
+def named_limits() -> dict[str, tuple[list[str], object, str]]:
+    """Return the constants that documentation names and no door offers.
+
+    Returns
+    -------
+    dict
+        By the module and the constant: who names it, its value and its words.
+    """
+    offered = {name for door in DOORS for name in getattr(import_module(door), "__all__", ())}
+    found: dict[str, tuple[list[str], object, str]] = {}
+    for door in DOORS:
+        for name, value in documented(door):
+            module = import_module(str(getattr(value, "__module__", door)))
+            for constant in re.findall(r"`([A-Z][A-Z_0-9]{2,})`", inspect.getdoc(value) or ""):
+                if constant in offered:
+                    continue
+                home = import_module(imports_of(module).get(constant) or module.__name__)
+                words = words_on(constant, home)
+                key = f"{home.__name__}.{constant}"
+                namers, *_ = found.setdefault(key, ([], getattr(home, constant), words))
+                if name not in namers:
+                    namers.append(name)
+    return found
+
+
+def limits() -> Iterator[str]:
+    """Yield the table of constants that the names above mention."""
+    yield from (
+        "### Numbers that these mention",
+        "",
+        "Where the documentation of a name says `TOLERANCE` or the like, it is this.",
+        "",
+        "| named by | constant | is | |",
+        "|---|---|---|---|",
+    )
+    for key, (namers, value, words) in sorted(named_limits().items()):
+        who = ", ".join(f"`{name}`" for name in namers)
+        shown = f"{value:,}" if isinstance(value, int) else f"{value}"
+        told = shown if isinstance(value, int | float) else ""
+        yield f"| {who} | `{key.rpartition('.')[2]}` | {told} | {words} |"
+    yield ""
+
+
 def tables() -> str:
-    """Return the tables of all doors."""
-    return "\n" + "\n".join(line for door in DOORS for line in rows(door)).rstrip() + "\n"
+    """Return the tables of all doors, and of the constants that they mention."""
+    lines = [line for door in DOORS for line in rows(door)]
+    return "\n" + "\n".join([*lines, *limits()]).rstrip() + "\n"
 
 
 def written(page: str) -> str:

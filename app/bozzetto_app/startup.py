@@ -25,6 +25,7 @@ from bozzetto_app.application import Application
 from bozzetto_app.main_window import Window
 from bozzetto_app.paths import log_file, state_folder
 from bozzetto_app.session.session import Session
+from bozzetto_app.session.window_faults import watch_window_faults
 from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
 from bozzetto_app.workers.gc_on_main_thread import Tidier
 from bozzetto_app.workers.main_thread import call_on_main_thread
@@ -84,8 +85,9 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     crash_log = _log_to_disk()
     tidier = Tidier(app)
     session = Session(Registry(disabled=disabled_plugins(), no_plugins=not plugins))
-    window = Window(session)
     closing = ExitStack()
+    closing.callback(watch_window_faults(session))
+    window = Window(session)
     paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier, closing))
     window.installEventFilter(paint)
     if document is not None:

@@ -54,6 +54,9 @@ class Parameter:
         Other parameters of the same state, choices, switches or numbers, and their values with
         all of which this one changes nothing: ``(("motor", ("off",)),)``. Forms switch it off
         meanwhile.
+    in_forms : bool
+        Whether forms show it. False where the window has a better way to say it, such as a panel;
+        the command line takes it all the same.
     """
 
     label: str
@@ -66,6 +69,7 @@ class Parameter:
     choices: tuple[tuple[str, str], ...] = ()
     zero: str = ""
     idle_while: tuple[tuple[str, tuple[object, ...]], ...] = ()
+    in_forms: bool = True
 
     def __post_init__(self) -> None:
         low, high = self.minimum, self.maximum

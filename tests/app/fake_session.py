@@ -267,6 +267,7 @@ class Hints(Part):
 
 class Notices(Part):
     noticed = Signal(object)
+    caught_up = Signal()
     recorded = "tell complain"
 
 
@@ -274,6 +275,13 @@ class Pictures(Part):
     taken = Signal(str)
     recorded = "take_file take_image take_underlay"
     sketch_taker = ""
+
+
+class Work(Part):
+    """A channel in which nothing is under way."""
+
+    busy_changed = Signal(bool)
+    busy = False
 
 
 class Gestures(Part):
@@ -403,6 +411,7 @@ class EmptySession(QObject):
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
         self.files.exchange = Exchange(calls)
+        self.gestures.edits, self.hints.channel = Work(calls), Work(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False, player="")
 
     def cancel_work(self) -> None:

@@ -20,6 +20,7 @@ from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
+from bozzetto_app.workers.channel import Request
 from tests.app.seen import part
 from tests.app.tablet import Mouse, Stylus, circle
 from tests.app.troublemaker import MODELER
@@ -252,6 +253,18 @@ def test_slow_work_on_a_gesture_is_shown_and_can_be_stopped(window, boxes, settl
     assert not part(window.status, "status-cancel").isVisible()
     assert not len(window.session.drawing.document)
     assert len(window.session.drawing.pending) == 1, "the ink waits"
+
+
+def test_what_is_said_of_slow_work_goes_when_it_has_ended(window, settle, qtbot):
+    """Of a plugin's import too, which nothing else shows: it stood there until it was closed."""
+    channel, gate = window.session.toolbox.channel, threading.Event()
+    channel.time_limit = 0.2
+    channel.submit(Request(lambda job: gate.wait(20.0), lambda answer: None, lambda problem: None))
+    faults = window.status.faults
+    qtbot.waitUntil(lambda: faults.isVisible(), timeout=10_000)
+    gate.set()
+    qtbot.waitUntil(lambda: not channel.busy, timeout=10_000)
+    assert not faults.isVisible()
 
 
 # -- questions -------------------------------------------------------------------------------------

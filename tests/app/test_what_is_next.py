@@ -244,7 +244,9 @@ def test_the_place_is_marked_while_the_pen_is_up(window, settle):
     assert overlay.next_place == before
 
 
-def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, settle):
+@pytest.mark.parametrize("hasty", [False, True])
+def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, settle, hasty):
+    """Also right after the last line, when nobody knows yet that the lines close."""
     session = window.session
     session.toolbox.take_modeler("bozzetto.polyhedron")
     settle(session)
@@ -254,10 +256,11 @@ def test_a_touch_with_the_pen_does_what_is_next_where_that_is_a_touch(window, se
     for k in range(4):
         for begin, end in ((front[k], front[k - 1]), (front[k], back[k]), (back[k], back[k - 1])):
             stylus.draw(np.linspace(begin, end, 12))
-    settle(session)
-    assert session.hints.step.tool == "turn"
-    (model,) = session.drawing.document.models
-    assert model.state.nodes[0].choice is None
+    if not hasty:
+        settle(session)
+        assert session.hints.step.tool == "turn"
+        (model,) = session.drawing.document.models
+        assert model.state.nodes[0].choice is None
     stylus.press(front[1])
     stylus.lift(front[1])
     settle(session)
@@ -274,3 +277,34 @@ def test_a_touch_with_the_pen_says_what_is_missing_where_a_stroke_is_next(window
     stylus.lift((400.0, 300.0))
     assert "too short" in window.status._words.text()
     assert len(session.drawing.document) == 0
+
+
+@pytest.mark.parametrize(("modeler", "tool"), [("silhouette", "paint"), ("symmetry", "split")])
+def test_a_drawing_tool_that_takes_touches_gets_them(window, settle, modeler, tool):
+    """It is asked, and answers that there is nothing on an empty sheet."""
+    session = window.session
+    session.toolbox.take_modeler(f"bozzetto.{modeler}")
+    settle(session)
+    session.toolbox.take_tool(tool)
+    stylus = Stylus(window.canvas)
+    stylus.press((400.0, 300.0))
+    stylus.lift((400.0, 300.0))
+    settle(session)
+    said = window.status._words.text()
+    assert "too short" not in said
+    assert "There is no" in said
+
+
+def test_a_touch_with_paint_colours_the_part_under_it(window, settle):
+    session = window.session
+    settle(session)
+    around = np.linspace(0.0, 2.0 * np.pi, 60)
+    stylus = Stylus(window.canvas)
+    stylus.draw(np.c_[500.0 + 120.0 * np.cos(around), 350.0 + 90.0 * np.sin(around)])
+    settle(session)
+    session.toolbox.take_tool("paint")
+    stylus.press((500.0, 350.0))
+    stylus.lift((500.0, 350.0))
+    settle(session)
+    state = session.drawing.document.models[0].state
+    assert state.nodes[0].color == state.paint

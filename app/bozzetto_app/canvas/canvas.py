@@ -126,6 +126,8 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
         self._pictured = ""
+        self._touched: tuple[Tap, bool] | None = None
+        self._passed_over = False
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
@@ -170,6 +172,9 @@ class Canvas(QWidget):
         self.hand.aim_ended.connect(self.loupe.put_away)
         self.hand.mode_changed.connect(self._mode_changed)
         self.hand.touched.connect(self._touch)
+        self.hand.pressed.connect(self._forget_touch)
+        for channel in (session.gestures.edits, session.hints.channel):
+            channel.busy_changed.connect(self._answer_touch)
         self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(self.menu.point)
@@ -235,7 +240,11 @@ class Canvas(QWidget):
         self._show_words()
 
     def leave_room(self, left: int) -> None:
-        """Centre what is said beside what covers so many pixels of the sheet's left."""
+        """Centre what is said beside what covers so many pixels of the sheet's left.
+
+        What is framed from now on lies there as well.
+        """
+        self._session.view.covered = left
         self.empty_hint.left = self.light.left = left
         self.empty_hint.update()
         self.light.lie_on(self.rect())
@@ -398,10 +407,26 @@ class Canvas(QWidget):
         return True
 
     def _touch(self, tap: Tap, again: bool) -> None:
-        """Do what is next with a touch that a drawing tool has no use for, if a touch is next."""
+        """Give a touch to the drawing tool in the hand, or to the tool whose touch is next.
+
+        What is next after the last stroke may not be known yet: the touch waits for it, unless
+        the hand goes on.
+        """
+        self._touched = tap, again and not self._passed_over
+        self._answer_touch()
+
+    def _forget_touch(self) -> None:
+        self._passed_over, self._touched = self._touched is not None, None
+
+    def _answer_touch(self) -> None:
         session = self._session
-        wanted = session.hints.step.tool
-        if any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
+        if self._touched is None or session.gestures.edits.busy or session.hints.channel.busy:
+            return
+        (tap, again), self._touched = self._touched, None
+        active, wanted = session.toolbox.active, session.hints.step.tool
+        if active is not None and active.touches:
+            session.gestures.tap(tap, again=again)
+        elif any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
             session.toolbox.take_tool(wanted)
             session.gestures.tap(tap, again=again)
         else:

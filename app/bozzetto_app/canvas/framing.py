@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from PySide6.QtCore import QObject
 
-from bozzetto.view.navigation import fit_points, with_kind
+from bozzetto.view.navigation import fit_points, pan, with_kind
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.session.view_state import FIRST_VIEW
 
@@ -38,6 +38,12 @@ STEPS: Final = 4
 better, then so that all is in it. What is shown there may depend on the view, and there may always
 be a better one."""
 
+MOST_COVERED: Final = 0.5
+"""Share of the sheet's width up to which things are framed beside what covers it."""
+
+CENTRED: Final = 3
+"""Times that what is framed is brought into the middle of the room beside what covers the sheet."""
+
 EDGE: Final = 0.5
 """How far a point may lie beyond the canvas and still count as seen, pixels."""
 
@@ -51,19 +57,36 @@ def points_to_frame(session: Session) -> Array:
     return points if len(points) else session.scene.advice.points()
 
 
-def framed(camera: Camera, points: Array) -> Camera:
-    """Return the view with all points in it, from the same side; one point keeps the scale."""
+def framed(camera: Camera, points: Array, covered: int = 0) -> Camera:
+    """Return the view with all points in it, from the same side; one point keeps the scale.
+
+    They lie beside so many pixels of the sheet's left that something covers, if there is room.
+    """
     if len(points) and np.ptp(points, axis=0).max() == 0.0:
         points = points[0] + 0.05 * camera.visible_height * np.array([[-1.0], [1.0]])
-    return fit_points(camera, points)
+    width, height = camera.viewport
+    if not 0 < covered <= MOST_COVERED * width or not len(points):
+        return fit_points(camera, points)
+    view = fit_points(camera.with_viewport(width - covered, height), points)
+    view = view.with_viewport(width, height)
+    for _ in range(CENTRED):  # near and far places move unlike: once more brings them there
+        across = view.project(points)[0][:, 0]
+        off = 0.5 * (width + covered - float(np.nanmin(across)) - float(np.nanmax(across)))
+        view = pan(view, off, 0.0)
+    return view
 
 
-def is_in_view(camera: Camera, points: Array, share: float = 1.0) -> bool:
-    """Whether at least a share of the points is seen on the canvas, and larger than a speck."""
+def is_in_view(camera: Camera, points: Array, share: float = 1.0, covered: int = 0) -> bool:
+    """Whether at least a share of the points is seen on the canvas, and larger than a speck.
+
+    What lies under the covered pixels of the sheet's left is not seen, unless they are most of it.
+    """
     places, depths = camera.project(points)
     size = np.array(camera.viewport)
     with np.errstate(invalid="ignore"):
         inside = (places >= -EDGE).all(axis=1) & (places <= size + EDGE).all(axis=1)
+        if covered <= MOST_COVERED * size[0]:
+            inside &= places[:, 0] >= covered - EDGE
     seen = inside & (depths > 0.0)
     if not seen.any() or seen.mean() < share:
         return False
@@ -148,6 +171,7 @@ class Framing(QObject):
         fresh = self._is_fresh
         if fresh and not self._steps:
             return
+        covered = session.view.covered if fresh else 0  # what lies over an empty sheet goes
         if fresh and advice is not None and not session.advice.is_about(session.view.camera):
             return  # it is about the sheet before, and another is on its way
         asks = self._steps == STEPS if fresh else hidden
@@ -156,9 +180,9 @@ class Framing(QObject):
             # modeler knows from where one draws best.
             self._steps -= fresh
             self._show(advice.better.with_viewport(*session.view.camera.viewport))
-        elif self._must_fit or not is_in_view(session.view.camera, points, self._share):
+        elif self._must_fit or not is_in_view(session.view.camera, points, self._share, covered):
             self._steps -= fresh
-            self._show(framed(session.view.camera, points))
+            self._show(framed(session.view.camera, points, covered))
         else:
             return
         self._must_fit = False

@@ -101,7 +101,9 @@ class ViewChanges:
     def show_news(self) -> None:
         """Show everything once something has come, without a word if that is so: nobody asked."""
         self._motion.finish()
-        camera = framed(self._own_view(), points_to_frame(self._session))
+        camera = framed(
+            self._own_view(), points_to_frame(self._session), self._session.view.covered
+        )
         if not same_view(camera, self._session.view.camera):
             self._motion.animate_to(camera)
 
@@ -129,7 +131,7 @@ class ViewChanges:
 
     def _frame(self, points: NDArray[np.float64]) -> None:
         self._motion.finish()
-        self.animate_to(framed(self._own_view(), points))
+        self.animate_to(framed(self._own_view(), points, self._session.view.covered))
 
     def _own_view(self) -> Camera:
         """Return the view, as an ordinary one if it stands where a picture was drawn from.

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Final, cast
 
 from PySide6.QtCore import QLocale, Qt, QTimer
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
@@ -75,6 +76,7 @@ class HandoverDialog(Page):
         self.warning = label("", tone="warning")
         self.warning.hide()
         self.column.addWidget(self.warning)
+        self.column.addStretch(1)  # what is said takes the room: nothing moves under the pointer
         cancel = self.add_button(tr("Handover", "&Cancel"))
         cancel.clicked.connect(self.reject)
         self.go = self.add_button(tr("Handover", "&Export…"), default=True)
@@ -278,6 +280,10 @@ class HandoverDialog(Page):
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
         self.go.setEnabled(True)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        self._grow()
 
     def _grow(self) -> None:
         """Make room for what is said, as far as the screen has it."""

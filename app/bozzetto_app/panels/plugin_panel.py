@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -73,14 +74,28 @@ class _Host:
         self._going = key if going else ""
 
     def run(self, command: Command) -> None:
-        if self._model is not None:
+        from bozzetto.plugin.commands import Command
+
+        if self._is(command, Command, "run") and self._model is not None:
             self._session.commands.run_of_panel(command)
 
     def complain(self, problem: UserError) -> None:
-        self._session.notices.complain(problem)
+        if self._is(problem, UserError, "complain"):
+            self._session.notices.complain(problem)
 
     def on_change(self, callback: Callable[[], None]) -> None:
-        self._callbacks.append(callback)
+        if self._is(callback, Callable, "on_change"):
+            self._callbacks.append(callback)
+
+    def _is(self, given: object, kind: Any, method: str) -> bool:
+        """Whether a method was given what it takes; else that is a fault of the plugin."""
+        if isinstance(given, kind):
+            return True
+        wrong = f"its panel gave {method} {type(given).__name__} where {kind.__name__} belongs"
+        guard = self._session.registry.guard
+        where = "".join(traceback.format_stack())
+        self._session.notices.complain(guard.blame(self._modeler, wrong, where))
+        return False
 
     def tell(self) -> None:
         """Call the panel back if the state, or what is next, is another than before."""

@@ -254,6 +254,7 @@ class StatusLine(QWidget):
         session.drawing.changed.connect(self.went_on)
         session.toolbox.tool_changed.connect(self.went_on)
         session.drawing.changed.connect(self.faults.work_ended)
+        session.notices.caught_up.connect(self.faults.work_ended)
         self._show_work(False)
         self._show_hint()
 

@@ -45,7 +45,7 @@ class DrawingInput(QObject):
     ) -> None:
         super().__init__(parent)
         self.channel = Channel("drawing", is_patient=True, parent=self)
-        self.channel.slow.connect(notices.tell_slow)
+        notices.watch(self.channel)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._context, self._edits, self._notices = context, edits, notices
 

@@ -113,7 +113,7 @@ class Exchange(QObject):
         # A channel of its own: a plugin that hangs over an import or an export must not come
         # between a person and their document.
         self._work = Channel("exchange", keep_all=True, is_patient=True, parent=self)
-        self._work.slow.connect(notices.tell_slow)
+        notices.watch(self._work)
         self._imports: WeakSet[Request] = WeakSet()
         self._foresight = Channel("foresee", is_patient=True, parent=self)
         drawing.closing.connect(self._drop_imports)

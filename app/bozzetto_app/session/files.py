@@ -143,7 +143,7 @@ class Files(QObject):
         self._thumbnails = SmallPictures(workbench)
         self._saves = Channel("save", keep_all=True, parent=self)
         self._reads = Channel("file", keep_all=True, is_patient=True, parent=self)
-        self._reads.slow.connect(notices.tell_slow)
+        notices.watch(self._reads)
         for channel in (self._saves, self._reads):
             channel.progressed.connect(self.progressed)
             channel.busy_changed.connect(self.busy_changed)

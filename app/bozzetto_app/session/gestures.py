@@ -100,7 +100,7 @@ class Gestures(QObject):
         self._touch_counted = False
         self._live: _LivePreview | None = None
         self._unpreviewable: set[tuple[str, str]] = set()
-        self.edits.slow.connect(notices.tell_slow)
+        notices.watch(self.edits)
         toolbox.modeler_changed.connect(self._tool_changed)
         toolbox.tool_changed.connect(self._tool_changed)
         drawing.closing.connect(self.restart)

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto_app.i18n import tr
-from bozzetto_app.workers.channel import Hung
+from bozzetto_app.workers.channel import Channel, Hung
 
 __all__ = ["Notice", "Notices"]
 
@@ -48,9 +48,12 @@ class Notices(QObject):
     Signals
     -------
     noticed : Notice
+    caught_up
+        Work that was told as slow has ended.
     """
 
     noticed = Signal(object)
+    caught_up = Signal()
 
     def __init__(self, guard: Guard, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -89,7 +92,12 @@ class Notices(QObject):
         """Report a problem, in the way that suits its type."""
         self.send(self.of_problem(problem))
 
-    def tell_slow(self, problem: Hung) -> None:
+    def watch(self, channel: Channel) -> None:
+        """Report when work on a channel takes long, until it has ended."""
+        channel.slow.connect(self._tell_slow)
+        channel.caught_up.connect(self.caught_up)
+
+    def _tell_slow(self, problem: Hung) -> None:
         """Report that work takes long and can be stopped."""
         caught = self._guard.caught_in(problem.thread)
         if caught is None:

@@ -35,13 +35,13 @@ BESIDE: Final = 24.0
 
 
 def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, Any], ...]:
-    """Return the parameters of a state, or of a part, with their values; some of them first."""
+    """Return the parameters in forms of a state, or of a part, with values; some of them first."""
     if not hasattr(state, "__dataclass_fields__"):
         return ()
     from bozzetto.parameters import valued_fields
 
     place = {name: number for number, name in enumerate(first)}
-    found = valued_fields(state)
+    found = [pair for pair in valued_fields(state) if pair[0].parameter.in_forms]
     return tuple(sorted(found, key=lambda pair: place.get(pair[0].name, len(place))))
 
 

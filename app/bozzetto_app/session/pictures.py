@@ -74,7 +74,7 @@ class PictureInput(QObject):
     ) -> None:
         super().__init__(parent)
         self.channel = Channel("picture", keep_all=True, is_patient=True, parent=self)
-        self.channel.slow.connect(notices.tell_slow)
+        notices.watch(self.channel)
         self.tracing = tracing
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._objects, self._context = toolbox, objects, context

@@ -138,7 +138,7 @@ class Solver(QObject):
         self._awaited: set[str] = set()
         self._quick: set[str] = set()  # ids of models whose last answer took no time to speak of
         self._channel = Channel("solve", time_limit=LATE_AFTER, is_patient=True, parent=self)
-        self._channel.slow.connect(notices.tell_slow)
+        notices.watch(self._channel)
         self._channel.progressed.connect(self.progressed)
         self._channel.busy_changed.connect(self.busy_changed)
         self._rest = QTimer(self, singleShot=True, interval=REST)

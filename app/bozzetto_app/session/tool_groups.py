@@ -29,6 +29,8 @@ class ToolInfo(NamedTuple):
     """These five: see `bozzetto.plugin.Tool`."""
     moves: bool = False
     """Whether it has a `Tool.step` of its own."""
+    touches: bool = False
+    """Whether it has a `Tool.tap` of its own."""
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ class Toolbox(QObject):
         self.last_used: dict[str, str] = {}
         self._known: dict[str, tuple[ToolInfo, ...]] = {}
         self.channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
-        self.channel.slow.connect(notices.tell_slow)
+        notices.watch(self.channel)
         self._workbench, self._selection, self._notices = workbench, selection, notices
         self._registry = workbench.registry
         selection.changed.connect(self._selection_changed)
@@ -128,6 +128,7 @@ class Toolbox(QObject):
                     tool.hovers,
                     tool.group,
                     overrides(tool, "step"),
+                    overrides(tool, "tap"),
                 )
                 for tool in bench.tools(modeler_id)
             )

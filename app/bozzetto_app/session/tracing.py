@@ -79,7 +79,7 @@ class Tracing(QObject):
     ) -> None:
         super().__init__(parent)
         self.channel = Channel("trace", is_patient=True, parent=self)
-        self.channel.slow.connect(notices.tell_slow)
+        notices.watch(self.channel)
         self._drawing, self._view = drawing, view
         self._toolbox, self._notices = toolbox, notices
         drawing.closing.connect(self.channel.cancel)

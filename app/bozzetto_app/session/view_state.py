@@ -23,6 +23,8 @@ class ViewState(QObject):
     ----------
     camera : Camera
     shading : {"clay", "zebra", "curvature", "normals", "xray", "draft", "thickness"}
+    covered : int
+        Pixels at the left of the sheet that something lies over.
     show_grid, show_ghost_ink : bool
         Whether the ground and the ink that models were made from are drawn.
 
@@ -41,6 +43,7 @@ class ViewState(QObject):
         super().__init__(parent)
         self.camera = FIRST_VIEW
         self.shading: Shading = "clay"
+        self.covered = 0
         self.show_grid = True
         self.show_ghost_ink = True
 

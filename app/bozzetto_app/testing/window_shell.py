@@ -20,6 +20,7 @@ from bozzetto.scene.display_list import Handle, Scene
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.main_window import Window
 from bozzetto_app.session.session import Session
+from bozzetto_app.session.window_faults import watch_window_faults
 from bozzetto_app.startup import application
 from bozzetto_app.testing.stylus import Stylus
 
@@ -70,6 +71,7 @@ class WindowShell:
         self.session = Session(registry)
         self.notices: list[str] = []
         self.session.notices.noticed.connect(lambda notice: self.notices.append(notice.text))
+        self._end_watch = watch_window_faults(self.session)
         self.window = Window(self.session, folder / "recovery")
         self.window.canvas.motion.reduced = True
         self.window.show()
@@ -238,6 +240,7 @@ class WindowShell:
 
     def close(self) -> None:
         """Close the window without a question; nothing is saved."""
+        self._end_watch()
         self.session.cancel_all()
         self.window._closing = True
         self.window.close()

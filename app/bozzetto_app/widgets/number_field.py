@@ -36,8 +36,17 @@ COARSE = 10.0
 
 MOST_DECIMALS = 6
 
-OF_THE_DOCUMENT = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
+WHILE_TYPING = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
 """Keys that are the field's own only while somebody types: what was typed is a step by then."""
+
+OF_THE_FIELD = (
+    QKeySequence.StandardKey.Copy,
+    QKeySequence.StandardKey.Cut,
+    QKeySequence.StandardKey.Paste,
+    QKeySequence.StandardKey.SelectAll,
+)
+"""Keys with Control and a letter that a number has a use for. On X11 lines of text take Ctrl+E,
+Ctrl+K and others for moves and deletions, and the commands on these keys would not be reached."""
 
 WIDE = 500.0
 """A range this many times as wide as a usual value is no scale."""
@@ -286,12 +295,20 @@ class NumberField(QDoubleSpinBox):
                 return self._drag(cast(QMouseEvent, event))
             if kind == QEvent.Type.MouseButtonRelease and self._grabbed is not None:
                 return self._release()
-        elif event.type() == QEvent.Type.ShortcutOverride and not self._typing:
-            key = cast(QKeyEvent, event)
-            if any(key.matches(own) for own in OF_THE_DOCUMENT):
+        elif event.type() == QEvent.Type.ShortcutOverride:
+            if self._is_of_the_document(cast(QKeyEvent, event)):
                 event.ignore()
                 return True
         return super().eventFilter(watched, event)
+
+    def _is_of_the_document(self, key: QKeyEvent) -> bool:
+        """Whether a key with Control is for a command, and not for the number."""
+        own = OF_THE_FIELD + (WHILE_TYPING if self._typing else ())
+        return (
+            key.modifiers() == Qt.KeyboardModifier.ControlModifier
+            and Qt.Key.Key_A <= key.key() <= Qt.Key.Key_Z
+            and not any(key.matches(kept) for kept in own)
+        ) or any(key.matches(other) for other in WHILE_TYPING if not self._typing)
 
     def _press(self, event: QMouseEvent) -> bool:
         if event.button() != Qt.MouseButton.LeftButton:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPoint, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QAbstractButton, QColorDialog, QFrame, QGridLayout, QWidget
 
@@ -42,6 +42,15 @@ def color_name(color: Color | None) -> str:
     """Return the name of a colour in the chart; its digits if it is not in the chart."""
     named = {value: name for name, value in chart()}
     return named.get(color, "#{:02X}{:02X}{:02X}".format(*(color or (0, 0, 0))))
+
+
+def place_beside(anchor: QRect, size: QSize, free: QRect) -> QPoint:
+    """Return where a pop-up of some size is under its anchor, else above, within what is free."""
+    below = anchor.bottom() + 1
+    fits = below + size.height() <= free.bottom() + 1
+    y = below if fits else anchor.top() - size.height()
+    rightmost = free.right() + 1 - size.width()
+    return QPoint(max(free.left(), min(anchor.left(), rightmost)), max(free.top(), y))
 
 
 class _Disc(QAbstractButton):
@@ -151,9 +160,11 @@ class Swatch(_Disc):
         self.update()
 
     def open_chart(self) -> QWidget:
-        """Open the chart under the disc."""
+        """Open the chart under the disc, or as near to it as the screen has room."""
         popup = _Chart(self.color, self)
         popup.chosen.connect(self.chosen)
-        popup.move(self.mapToGlobal(QPoint(0, self.height())))
+        popup.adjustSize()
+        disc = QRect(self.mapToGlobal(QPoint(0, 0)), self.size())
+        popup.move(place_beside(disc, popup.size(), self.screen().availableGeometry()))
         popup.show()
         return popup

@@ -223,11 +223,14 @@ class Channel(QObject):
     progressed : float, str; busy_changed : bool
     slow : Hung
         What runs has overrun the time limit of a patient channel.
+    caught_up
+        What was told as slow has ended, or is waited for no more.
     """
 
     progressed = Signal(float, str)
     busy_changed = Signal(bool)
     slow = Signal(object)
+    caught_up = Signal()
 
     def __init__(
         self,
@@ -429,7 +432,9 @@ class Channel(QObject):
                 interrupt(request.thread)
 
     def _finish(self) -> None:
-        self._running = None
+        ended, self._running = self._running, None
+        if ended is not None and ended.is_told_slow:
+            self.caught_up.emit()
 
 
 def _drop(request: Request, answer: Any, error: BaseException | None) -> None:

@@ -24,6 +24,7 @@ from bozzetto.cli.output import (
     write_by_command,
     write_output,
     write_report,
+    writing_command,
 )
 from bozzetto.errors import UserError
 
@@ -45,7 +46,7 @@ def build(options: argparse.Namespace) -> int:
     targets = _targets(inputs, options.output, options.format)
     for target in targets:
         if not options.command_id:
-            check_ending(target)
+            _check_ending(bench, modeler_id, target)
     refuse_overwriting(inputs, targets, options.report)
     handover_of(options)  # a wrong switch is told before the first input is read
     reports: list[dict[str, Any]] = []
@@ -69,6 +70,19 @@ def build(options: argparse.Namespace) -> int:
         single = reports[0]["report"] | {k: v for k, v in reports[0].items() if k == "written"}
         write_report(options.report, single if len(inputs) == 1 else {"files": reports})
     return code
+
+
+def _check_ending(bench: Any, modeler_id: str, target: Path) -> None:
+    """Refuse a file that can be no output; name the command that writes such files."""
+    try:
+        check_ending(target)
+    except UserError:
+        command = writing_command(bench, modeler_id, target)
+        if not command:
+            raise
+        raise UserError(
+            f"“{target.suffix.lower()}” is written by a command: add --command {command}."
+        ) from None
 
 
 def _build_one(

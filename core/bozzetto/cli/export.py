@@ -15,6 +15,7 @@ from bozzetto.cli.output import (
     write_by_command,
     write_outputs,
     write_report,
+    writing_command,
 )
 from bozzetto.cli.placing import placed
 from bozzetto.errors import UserError
@@ -38,6 +39,8 @@ def export(options: argparse.Namespace) -> int:
     if options.command_id:
         models, _ = chosen_models(document, options.object)
         able = [one for one in models if _has_command(bench, one, options.command_id)]
+        if not able:
+            raise UserError(_no_command(bench, models, options.command_id))
         if len(able) != 1 or len(outputs) != 1:
             raise UserError(
                 f"{options.command_id} writes one file of one object; {len(able)} have it. Name "
@@ -86,13 +89,30 @@ def _named_command(options: argparse.Namespace, output: Path) -> UserError | Non
     for model in models:
         if unusable(bench, model) is not None:
             continue
-        for command in bench.commands.of(model.modeler):
-            if command.writes and command.writes == output.suffix.lower():
-                return UserError(
-                    f"“{command.writes}” is written by a command of “{model.name}”: add "
-                    f"--command {command.id}."
-                )
+        command = writing_command(bench, model.modeler, output)
+        if command:
+            return UserError(
+                f"“{output.suffix.lower()}” is written by a command of “{model.name}”: add "
+                f"--command {command}."
+            )
     return None
+
+
+def _no_command(bench: Any, models: Any, command_id: str) -> str:
+    """Return that no object has a command, and which of theirs write files."""
+    from bozzetto.workbench.export_document import unusable
+
+    writers = sorted(
+        {
+            command.id
+            for model in models
+            if unusable(bench, model) is None
+            for command in bench.commands.of(model.modeler)
+            if command.writes
+        }
+    )
+    known = f"files are written by: {', '.join(writers)}" if writers else "none writes a file"
+    return f"No object has a command {command_id!r}; {known}."
 
 
 def _has_command(bench: Any, model: Any, command_id: str) -> bool:

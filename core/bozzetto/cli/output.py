@@ -102,6 +102,13 @@ def check_ending(target: Path, others: Iterable[str] = ()) -> None:
         find(target, writers("mesh", "surfaces", "curves"), own)
 
 
+def writing_command(bench: Any, modeler_id: str, target: Path) -> str:
+    """Return the id of the command of a modeler that writes files like this one, "" for none."""
+    ending = target.suffix.lower()
+    ids = [each.id for each in bench.commands.of(modeler_id) if ending and each.writes == ending]
+    return ids[0] if ids else ""
+
+
 def write_output(
     bench: Any,
     document: Any,

@@ -70,9 +70,9 @@ def _check(package: str) -> int:
     findings = check_file(path) if is_file else check_package(package, say_on_screen)
     for finding in findings:
         print(finding)
-    if not findings:
+    if not any(finding.serious for finding in findings):
         fine = "the file is" if is_file else "manifest, icons, import and contract are"
-        print(f"{package}: {fine} in order.")
+        print(f"{package}: {fine} in order{', but see above' if findings else ''}.")
     return EXIT_ERROR if any(finding.serious for finding in findings) else 0
 
 

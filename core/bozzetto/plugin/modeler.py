@@ -104,8 +104,8 @@ class Modeler(ABC, Generic[State, Result]):
     def report(self, state: State, result: Result, job: Job) -> Mapping[str, Any]:
         """Return how good the result is, as JSON values by readable keys.
 
-        Shown in a panel in the words of `figures`, and written by ``--report``. May be slow: call
-        ``job.checkpoint`` in its loops.
+        Shown in a panel in the words of `figures`, and written by ``--report``; numbers and arrays
+        of numpy are written as plain ones. May be slow: call ``job.checkpoint`` in its loops.
         """
         return {}
 
@@ -140,8 +140,9 @@ class Modeler(ABC, Generic[State, Result]):
     def read_drawing(self, drawing: Drawing, context: Context, job: Job) -> State:
         """Return a state from a whole drawing, for the command line and for drag and drop.
 
-        By default the first tool that draws gets all the ink. May be slow, for a file may hold
-        anything: call ``job.checkpoint`` in its loops.
+        By default the first tool that draws gets all the ink, and a file without strokes that has
+        one of the keys that the manifest names under ``facts`` goes to `create`. May be slow, for
+        a file may hold anything: call ``job.checkpoint`` in its loops.
 
         Raises
         ------

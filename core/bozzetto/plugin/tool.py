@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, Generic, Literal, TypeVar, final
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, TypeVar, final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
 from bozzetto.plugin.next_step import NextStep
+from bozzetto.plugin.overrides import overrides
 from bozzetto.scene.display_list import Scene
 
 if TYPE_CHECKING:
@@ -15,6 +17,15 @@ if TYPE_CHECKING:
 State = TypeVar("State")
 
 NOTHING_TO_ERASE: Final = "This tool has nothing that the eraser takes away. Draw with the pen."
+
+
+def method_for(gesture: Gesture) -> Literal["draw", "erase", "tap", "drag"]:
+    """Return the name of the method of a tool that takes a gesture of this kind."""
+    if isinstance(gesture, Tap):
+        return "tap"
+    if isinstance(gesture, Drag):
+        return "drag"
+    return "erase" if gesture.erases else "draw"
 
 
 class Preview(Generic[State]):
@@ -139,12 +150,21 @@ class Tool(Generic[State]):
     def drag(self, state: State, drag: Drag, context: Context) -> State:
         """Return the state with a handle at another place.
 
+        As it is here a tool of drags that overrides `step` takes the path in steps, as under the
+        hand: so do ink files and tests.
+
         Raises
         ------
         UserError
             If it cannot go there.
         """
-        raise UserError(self.hint)
+        if self.gesture != "drag" or not overrides(self, "step"):
+            raise UserError(self.hint)
+        from bozzetto.plugin.drag_steps import drag_steps
+
+        for held, seconds in drag_steps(drag):
+            state = self.step(state, held, seconds, context)
+        return state
 
     @final
     def apply(self, state: State, gesture: Gesture, context: Context) -> State:
@@ -155,13 +175,8 @@ class Tool(Generic[State]):
         Unfinished, UserError
             As that method says.
         """
-        if isinstance(gesture, Tap):
-            return self.tap(state, gesture, context)
-        if isinstance(gesture, Drag):
-            return self.drag(state, gesture, context)
-        if gesture.erases:
-            return self.erase(state, gesture, context)
-        return self.draw(state, gesture, context)
+        method: Callable[[State, Any, Context], State] = getattr(self, method_for(gesture))
+        return method(state, gesture, context)
 
     # -- time --
 

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.bvh import first_hits, tree_of
 from bozzetto.geometry.mesh_places import closest_on_triangles
-from bozzetto.scene.display_list import Scene, Shaded
+from bozzetto.scene.display_list import Lines, Scene, Shaded
 from bozzetto.scene.surface_places import SurfacePlaces, topology_of
 
 if TYPE_CHECKING:
-    from bozzetto.view.camera import Rays
+    from bozzetto.view.camera import Camera, Rays
 
 
 class SceneSurface(NamedTuple):
@@ -193,3 +193,55 @@ def cast_rays(scene: Scene, rays: Rays) -> Hits:
         weights[where] = closest_on_triangles(points[where], corners)
         on[where] = number
     return Hits(points, normals, distance, faces, weights, on, surfaces)
+
+
+def place_on_lines(
+    scene: Scene, camera: Camera, pixel: tuple[float, float], reach: float
+) -> Array | None:
+    """Return the place on a line of a scene that is seen nearest to a pixel.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its `Lines` count, unless they are fully transparent.
+    camera : Camera
+        The view.
+    pixel : (x, y)
+        A place on the canvas.
+    reach : float
+        Largest distance, px.
+
+    Returns
+    -------
+    (3,) float or None
+        mm; None where no line is within reach.
+    """
+    items = [
+        item
+        for layer in scene.layers
+        for item in layer.items
+        if isinstance(item, Lines) and item.opacity > 0
+    ]
+    begins = [item.points[each.start : each.stop - 1] for item in items for each in item.pieces()]
+    ends = [item.points[each.start + 1 : each.stop] for item in items for each in item.pieces()]
+    none = np.zeros((0, 3), np.float32)
+    both = np.stack((np.concatenate((none, *begins)), np.concatenate((none, *ends)))).astype(float)
+    seen, depth = (
+        rows.reshape(2, -1, *rows.shape[1:]) for rows in camera.project(both.reshape(-1, 3))
+    )
+    ahead = np.isfinite(seen).all(axis=(0, 2))
+    if not ahead.any():
+        return None
+    (first, second), (near, far), both = seen[:, ahead], depth[:, ahead], both[:, ahead]
+    along = second - first
+    length = np.einsum("ij,ij->i", along, along)
+    share = np.einsum("ij,ij->i", np.asarray(pixel) - first, along)
+    share = np.clip(share / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+    away = np.linalg.norm(first + share[:, None] * along - pixel, axis=1)
+    best = int(np.argmin(away))
+    if away[best] > reach:
+        return None
+    part = share[best]
+    if camera.kind == "perspective":  # equal steps on the sheet are not equal in space
+        part = part * near[best] / (part * near[best] + (1.0 - part) * far[best])
+    return np.asarray((1.0 - part) * both[0, best] + part * both[1, best])

@@ -32,6 +32,7 @@ from bozzetto.testing.deep_equal import difference, fingerprint, same
 from bozzetto.testing.headless_shell import Shell
 from bozzetto.testing.job_checks import check_stopping, stop_at
 from bozzetto.testing.memory_checks import check_forgetting, check_fresh_process
+from bozzetto.testing.motion_checks import check_steps
 from bozzetto.testing.spelling import check_spelling
 from bozzetto.testing.subject import Broken, Subject, ensure, odd_gestures
 
@@ -446,6 +447,7 @@ CHECKS: Final = tuple(
         check_ranges,
         check_parts,
         *ABILITIES,
+        check_steps,
         check_forgetting,
         check_fresh_process,
         check_preview_time,

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from bozzetto.errors import FormatError, Unfinished, UserError
@@ -77,7 +78,8 @@ def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list
     with suppress(UserError, PluginFault):  # told below, of each modeler
         registry.modeler(manifest.modelers[0].id)
     findings += _check_classes(package)
-    findings += _check_hooks(package, manifest)
+    if package in sys.modules:  # else its import failed, and all else follows from that
+        findings += _check_hooks(package, manifest)
     for entry in manifest.modelers:
         findings += _check_modeler(package, entry.id, begins)
     return findings
@@ -168,6 +170,7 @@ def _check_modeler(package: str, modeler_id: str, begins: Callable[[str], None])
     from bozzetto.testing.checks import CHECKS
     from bozzetto.testing.spelling import check_spelling
     from bozzetto.testing.subject import Subject
+    from bozzetto.testing.time_limit import CallWatch, Unanswered
 
     registry = Registry(extra=(package,))
     info = registry.info(modeler_id)
@@ -183,14 +186,22 @@ def _check_modeler(package: str, modeler_id: str, begins: Callable[[str], None])
     looked_at = info.icon.relative_to(folder).as_posix()
     icons = {tool.icon for tool in tools if tool.icon} - {looked_at}
     findings = _check_icons(folder, icons)
-    subject = Subject(modeler_id, (package,))
+    watch = CallWatch()
+    subject = Subject(modeler_id, (package,), opened=watch.add)
     told_by: dict[tuple[bool, str], list[str]] = {}
     for number, check in enumerate(CHECKS, start=1):
         if check.run is check_spelling and _check_classes(package):
             continue  # told already
         begins(f"{modeler_id}, {check.name} ({number} of {len(CHECKS)})")
         try:
-            check.run(subject)
+            watch.run(partial(check.run, subject))
+        except Unanswered as problem:
+            rest = [each.name for each in CHECKS[number:]]
+            told = f"{problem.message}; {len(rest)} more checks were not tried"
+            told_by.setdefault((True, _placed(told, problem.details, folder)), []).append(
+                check.name
+            )
+            break
         except (UserError, Unfinished) as problem:
             told = f"could not be tried with a plain drawing ({problem}); use ModelerContract"
             told_by.setdefault((False, told), []).append(check.name)

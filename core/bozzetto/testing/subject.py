@@ -11,6 +11,7 @@ from pathlib import Path
 from bozzetto.errors import UserError
 from bozzetto.ink.stroke import Stroke
 from bozzetto.plugin.gesture import Drag, Gesture, Ink, Tap
+from bozzetto.plugin.guard.guard import Guard
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.tool import Tool
 from bozzetto.testing.headless_shell import Shell
@@ -33,6 +34,10 @@ def ensure(condition: bool, message: str) -> None:
         raise Broken(message)
 
 
+def _nobody(_: Guard) -> None:
+    pass
+
+
 @dataclass(frozen=True)
 class Subject:
     """A modeler under test.
@@ -46,17 +51,21 @@ class Subject:
     sketch : callable
         Draws something that has a solution: ``sketch(shell, pen)``. Pens of different
         seeds must give different states.
+    opened : callable
+        Told the guard of every program that is opened for a test.
     """
 
     modeler: str
     packages: tuple[str, ...] = ()
     sketch: Sketch | None = None
+    opened: Callable[[Guard], None] = _nobody
 
     @contextmanager
     def shell(self) -> Iterator[Shell]:
         """Open a fresh program with an empty model of the modeler in it."""
         registry = Registry(extra=self.packages)
         with tempfile.TemporaryDirectory() as folder:
+            self.opened(registry.guard)
             shell = Shell(registry, Path(folder))
             shell.open(self.modeler)
             yield shell

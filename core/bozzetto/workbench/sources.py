@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
+from bozzetto.plugin.overrides import overrides
 from bozzetto.scene.display_list import Scene, Shaded
 from bozzetto.workbench.links import with_state
 
@@ -75,11 +76,28 @@ class ModelSources:
             model = self._bench.create(modeler_id, context, name=drawing.name)
             model = run_steps(self._bench, model, drawing, context, job)
         else:
-            registry = self._bench.registry
-            state = registry.guarded(modeler_id).read_drawing(drawing, context, job or Job())
-            name = drawing.name or registry.info(modeler_id).title
+            state = self._read(modeler_id, drawing, context, job or Job())
+            name = drawing.name or self._bench.registry.info(modeler_id).title
             model = self._bench.new_model(modeler_id, state, name)
         return self._bench.set_parameters(model, values) if values else model
+
+    def _read(self, modeler_id: str, drawing: Drawing, context: Context, job: Job) -> Any:
+        """Return the state that a modeler makes of a drawing.
+
+        A drawing without strokes, for a modeler that reads drawings as all do, is made by its
+        `create`, which has the facts in its context.
+        """
+        registry = self._bench.registry
+        guarded, modeler = registry.guarded(modeler_id), registry.modeler(modeler_id)
+        if len(drawing.strokes) or overrides(modeler, "read_drawing"):
+            return guarded.read_drawing(drawing, context, job)
+        if any(key in drawing.facts for key in registry.info(modeler_id).facts):
+            return guarded.create(context)
+        other = registry.told_by(drawing.facts)
+        if other:
+            title = registry.info(other).title
+            raise UserError(f"“{drawing.name}” is a file of {title}. Choose that modeler.")
+        return guarded.read_drawing(drawing, context, job)
 
     def from_shapes(self, modeler_id: str, shapes: Shapes, name: str) -> Model:
         """Make a model of shapes from another program.

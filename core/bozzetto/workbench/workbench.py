@@ -469,7 +469,7 @@ class Workbench:
         """
         if self.is_foreign(model):
             raise UserError(
-                f"“{model.name}” was made with the plugin {model.modeler!r}, which is not "
+                f"“{model.name}” was made with the modeler {model.modeler!r}, whose plugin is not "
                 "installed or switched off. Install it to change this object."
             )
         return self.registry.guarded(model.modeler)

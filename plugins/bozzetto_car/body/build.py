@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -19,6 +19,7 @@ from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
 from bozzetto_car.body.edges_on_mesh import network_on_mesh
+from bozzetto_car.body.edits_preview import OnPicture, carried
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.body.trace_edges import trace
@@ -74,6 +75,8 @@ class Body:
         The solve that it came from.
     drawn : frozenset of int
         Edges that were drawn or bent by hand.
+    traced : tuple of (int, tuple of int)
+        Numbers of the edits that traced edges, and these edges.
     troubles : tuple of Trouble
         Edits that were left out.
     world : Dimensions
@@ -85,6 +88,7 @@ class Body:
     network: Network
     solved: Solved
     drawn: frozenset[int] = frozenset()
+    traced: tuple[tuple[int, tuple[int, ...]], ...] = ()
     troubles: tuple[Trouble, ...] = ()
     world: Dimensions = Dimensions()
     dimensions_problem: str = ""
@@ -262,7 +266,8 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
     if before is not None and state.edits and state.edits is before.edits:
         old = unstretched_body_of(before)
         if old.solved is not base and can_blend(old.template, base.template):
-            return _carried(old, _right_after(old.solved, before), _deformed(base, state))
+            start = _deformed(base, state)
+            return _carried(old, _right_after(old.solved, before), start, state.edits)
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
         body = _edited(body, edit, number, state.smooth)
@@ -374,18 +379,35 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
         network = lock_ratios(network, _firmness(body, in_hand))
     if map_ is not None:
         network = undo_stretch(body.network, there, network, map_)
-    return replace(body, network=network, drawn=body.drawn | in_hand)
+    traced = body.traced
+    if isinstance(edit, TracedEdges):
+        traced = (*traced, (number, edges))
+    return replace(body, network=network, drawn=body.drawn | in_hand, traced=traced)
 
 
-def _carried(old: Body, old_start: Body, start: Body) -> Body:
+def _carried(old: Body, old_start: Body, start: Body, edits: Sequence[Edit]) -> Body:
     """Return the body `start` with the change that edits have made from `old_start` to `old`."""
-    positions, tangents = (
-        getattr(start.network, what)
-        + (getattr(old.network, what) - getattr(old_start.network, what))
-        for what in ("positions", "tangents")
-    )
-    network = Network(start.template, positions, tangents)
+    traced = list(_on_pictures(old, start, edits))
+    network = carried(old.network, old_start.network, start.network, traced)
     return replace(old, network=network, solved=start.solved)
+
+
+def _on_pictures(old: Body, start: Body, edits: Sequence[Edit]) -> Iterator[OnPicture]:
+    """Yield what was traced on a body as it was and as it is seen now.
+
+    What was traced on a stretched body is seen on another one than this; it is left out.
+    """
+    for number, edges in old.traced:
+        edit = edits[number]
+        assert isinstance(edit, TracedEdges)
+        if edit.dimensions.given():
+            continue
+        try:
+            (was, before), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
+        except UserError:  # its sketch has no camera any more, and is told where edits are repeated
+            continue
+        shift = (is_now[0] - was[0]).tolist()
+        yield OnPicture(edges, edit.nodes_follow, before, now, (shift[0], shift[1]))
 
 
 def _changed(network: Network, edit: Edit, body: Body) -> tuple[Network, tuple[int, ...]]:

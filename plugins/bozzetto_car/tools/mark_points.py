@@ -27,7 +27,7 @@ from bozzetto_car.state import CarState, Mark
 from bozzetto_car.view.mark_items import MARK, MARK_TOOL, mark_preview
 from bozzetto_car.view.mesh_items import mesh_layers
 from bozzetto_car.view.next_step import next_mark_step
-from bozzetto_car.view.view_advice import camera_looked_through
+from bozzetto_car.view.view_advice import camera_looked_through, cars_seen
 
 Seen = tuple[CarState, ...]
 
@@ -73,7 +73,7 @@ class MarkPoints(Tool[CarState]):
         if state.mesh is not None:
             return Scene(mesh_layers(_on_mesh(state, gesture)))
         before = body_of(state)
-        mark = _mark(state, before, gesture, _seen(context))
+        mark = _mark(state, before, gesture, cars_seen(context))
         moved = set_mark(state, mark.node, (mark.u, mark.v), before.template)
         after = body_of(moved, before=state)
         return mark_preview(before, after, moved, _same_mark(mark, sketch_in_work(moved).marks))
@@ -118,7 +118,7 @@ class MarkPoints(Tool[CarState]):
         body = _seen_body(state)
         if not _is_touch(drag):
             return _marked(state, body, drag, context)
-        if not _is_beside(state, body, drag, _seen(context)):
+        if not _is_beside(state, body, drag, cars_seen(context)):
             return state
         x, y = drag.path.points[0].tolist()
         return _marked(state, body, Tap(x, y, drag.camera), context)
@@ -164,7 +164,7 @@ def _seen_body(state: CarState) -> Body:
 
 
 def _marked(state: CarState, body: Body, gesture: Tap | Drag, context: Context) -> CarState:
-    mark = _mark(state, body, gesture, _seen(context))
+    mark = _mark(state, body, gesture, cars_seen(context))
     return set_mark(state, mark.node, (mark.u, mark.v), template_of(state))
 
 
@@ -183,11 +183,6 @@ def _mark(state: CarState, body: Body, gesture: Tap | Drag, seen: Seen) -> Mark:
         node, at = asked.node, np.array([gesture.x, gesture.y])
     ((u, v),) = _pixels(state, body, gesture.camera, [at], seen).tolist()
     return Mark(node, u, v)
-
-
-def _seen(context: Context) -> Seen:
-    """Return the car as it was when the person saw it, newest first."""
-    return tuple(state for state in context.seen if isinstance(state, CarState))
 
 
 def _is_touch(gesture: Drag) -> bool:

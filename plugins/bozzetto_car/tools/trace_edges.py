@@ -26,6 +26,9 @@ from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
+from bozzetto_car.view.view_advice import camera_looked_through, cars_seen
+
+Seen = tuple[CarState, ...]
 
 NOTHING: Final = "No edge that was traced is under the eraser. Rub along one."
 
@@ -48,7 +51,7 @@ class TraceEdges(Tool[CarState]):
         """Show the edges after the stroke."""
         if not isinstance(gesture, Ink):
             return Scene()
-        made, edit = _traced(state, gesture.strokes[-1])
+        made, edit = _traced(state, gesture.strokes[-1], cars_seen(context))
         body = body_of(made)
         if any(trouble.number == len(made.edits) - 1 for trouble in body.troubles):
             return Scene()
@@ -65,7 +68,7 @@ class TraceEdges(Tool[CarState]):
             If a stroke runs along no edge, or is seen end-on.
         """
         for stroke in ink.strokes:
-            state, _ = _traced(state, stroke)
+            state, _ = _traced(state, stroke, cars_seen(context))
             told = body_of(state).troubles
             if told and told[-1].number == len(state.edits) - 1:
                 raise UserError(told[-1].message)
@@ -83,10 +86,10 @@ class TraceEdges(Tool[CarState]):
         return _erased(state, ink.strokes[-1])
 
 
-def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
+def _traced(state: CarState, stroke: Stroke, seen: Seen) -> tuple[CarState, TracedEdges]:
     """Return the car after a stroke, and the edit with the edges that were found."""
     body = body_in_work(state)
-    edit = _edit_of(state, body, stroke)
+    edit = _edit_of(state, body, stroke, seen)
     unstretched = unstretched_body_of(state)
     points, camera = drawn_through(unstretched, edit)
     run = find_run(in_world_of(unstretched, edit), points, camera)
@@ -95,11 +98,15 @@ def _traced(state: CarState, stroke: Stroke) -> tuple[CarState, TracedEdges]:
     return replace(state, edits=(*state.edits, edit)), edit
 
 
-def _edit_of(state: CarState, body: Body, stroke: Stroke) -> TracedEdges:
-    """Return a stroke as an edit: in pixels of the sketch if the view is through it."""
-    sketch = state.sketch
-    sketch_camera = None if sketch is None else body.sketch_cameras.get(sketch.id)
-    if sketch is None or sketch_camera is None or not sketch_camera.is_seen_through(stroke.camera):
+def _edit_of(state: CarState, body: Body, stroke: Stroke, seen: Seen) -> TracedEdges:
+    """Return a stroke as an edit: in pixels of the sketch if the view is through it.
+
+    The car, and the camera of the sketch with it, may have changed since the person saw them.
+    """
+    sketch, sketch_camera = state.sketch, None
+    if sketch is not None:
+        sketch_camera = camera_looked_through(sketch, body, stroke.camera, seen)
+    if sketch is None or sketch_camera is None:
         return TracedEdges(
             dimensions=world_of(state, body),
             strokes=Strokes((stroke,)),

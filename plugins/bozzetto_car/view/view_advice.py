@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import ViewAdvice
+from bozzetto.plugin import Context, ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, is_shown, sketch_cameras_of
@@ -25,6 +25,11 @@ from bozzetto_car.view.scene import body_layers, view_dependent_scene
 
 DRAFTED: Final = ("body", "wheels", "network")
 """Layers that look different over a drawing or a mesh, so that it is visible."""
+
+
+def cars_seen(context: Context) -> tuple[CarState, ...]:
+    """Return the car as it was when the person saw it, newest first."""
+    return tuple(state for state in context.seen if isinstance(state, CarState))
 
 
 def camera_looked_through(

@@ -13,7 +13,7 @@ from bozzetto_polyhedron.commands.answers import chosen_body
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.completion import light_strokes
-from bozzetto_polyhedron.solve.pipeline import graph_of_ink, never
+from bozzetto_polyhedron.solve.pipeline import graph_of_visible_ink, never
 
 
 def draw_hidden_edges(state: PolyhedronState, context: Context) -> PolyhedronState:
@@ -29,7 +29,7 @@ def draw_hidden_edges(state: PolyhedronState, context: Context) -> PolyhedronSta
     """
     body = chosen_body(state)
     drawn = without_guessed(body)
-    guesses = hidden_lines(graph_of_ink(drawn, never))
+    guesses = hidden_lines(graph_of_visible_ink(drawn, never), drawn[0].camera) if drawn else ()
     if not guesses:
         raise UserError(
             "The hidden edges cannot be told from these lines. Draw one face of the solid whole, "

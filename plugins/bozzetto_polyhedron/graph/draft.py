@@ -8,6 +8,7 @@ from typing import Final
 
 from bozzetto_polyhedron.graph.grouping import Members
 from bozzetto_polyhedron.graph.likelihood import (
+    FEW_LINES,
     SAME_ENDS,
     End,
     Fits,
@@ -109,7 +110,7 @@ class Draft:
             total -= self.lines[key].line.misfit
         before = self.costs
         for corner, (sums, degree) in after.items():
-            cost = costs[corner] = corner_cost(sums, degree)
+            cost = costs[corner] = corner_cost(sums, degree, self.fits.few)
             total += cost - before.get(corner, 0.0)
             if degree >= CROWDED:
                 passing = self._passing_cost(corner, change)
@@ -167,8 +168,9 @@ class Draft:
 
     @property
     def doubt(self) -> float:
-        """The cost, and more where the lines are not those of solids."""
-        return self.cost + (0.0 if self.is_whole else NOT_WHOLE)
+        """The cost, and more where the lines should be those of solids and are not."""
+        parts = self.fits.few != FEW_LINES
+        return self.cost + (0.0 if parts or self.is_whole else NOT_WHOLE)
 
     def fits_now(self, change: Change) -> bool:
         """Whether all lines that the change removes are still there."""

@@ -20,6 +20,10 @@ from bozzetto_polyhedron.graph.segments import Segments
 FEW_LINES: Final = (0.0, 22.0, 14.0)
 """Cost of a corner of no, one, two lines: closed polyhedra have three or more at each."""
 
+FEW_VISIBLE: Final = (0.0, 4.0, 1.0)
+"""The same where only visible lines are drawn: hidden ones are missing at many corners, and a line
+that goes behind a face ends alone."""
+
 MANY_LINES: Final = 3.0
 """Cost of every line beyond three at a corner: most corners of solids have three."""
 
@@ -128,10 +132,13 @@ class Fits:
         What was drawn.
     spread : Spread
         How ends lie about their corners.
+    few : (float, float, float)
+        Cost of a corner of no, one, two lines.
     """
 
     segments: Segments
     spread: Spread
+    few: tuple[float, float, float] = FEW_LINES
     known: dict[Members, Line] = field(default_factory=dict)
     rows: list[list[list[float]]] = field(default_factory=list)
     light: list[bool] = field(default_factory=list)
@@ -274,14 +281,14 @@ def place_of(sums: End) -> tuple[float, float]:
     return (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
 
 
-def corner_cost(sums: End, degree: int) -> float:
+def corner_cost(sums: End, degree: int, fewer: tuple[float, float, float] = FEW_LINES) -> float:
     """Return the cost of a corner from the sums over its ends."""
     if degree <= 0:
         return 0.0
     xx, xy, yy, bx, by, form, normalizer = sums
     determinant = max(xx * yy - xy * xy, 1e-12)
     strain = form - (yy * bx * bx - 2 * xy * bx * by + xx * by * by) / determinant
-    few = FEW_LINES[degree] if degree < 3 else MANY_LINES * (degree - 3)
+    few = fewer[degree] if degree < 3 else MANY_LINES * (degree - 3)
     return 0.5 * max(strain, 0.0) + normalizer - log(2 * pi) + 0.5 * log(determinant) + few
 
 

@@ -58,6 +58,8 @@ class LineGraph:
         Estimated root mean square distance of a corner from where it was meant, px.
     health : tuple of Finding
         Empty where all is well.
+    certainty : float
+        Probability that lines and corners are those meant, 0 … 1.
     """
 
     places: Array
@@ -67,3 +69,4 @@ class LineGraph:
     dropped: tuple[int, ...]
     noise: float
     health: tuple[Finding, ...]
+    certainty: float = 1.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -16,12 +17,18 @@ from bozzetto_polyhedron.graph.build import (
     searched_graph,
     size_of,
 )
+from bozzetto_polyhedron.graph.certainty import certainty_of, line_traits
 from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of
-from bozzetto_polyhedron.graph.likelihood import Fits
+from bozzetto_polyhedron.graph.health import told
+from bozzetto_polyhedron.graph.likelihood import FEW_LINES, FEW_VISIBLE, Fits
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.repair import repair
 from bozzetto_polyhedron.graph.search import best_draft
+from bozzetto_polyhedron.graph.second_reading import closest_other
 from bozzetto_polyhedron.graph.segments import Drawn, Pieces, Segments, pieces_of, samples_of
+
+LEAST_SURE: Final = 0.9
+"""Certainty below which it is told where lines could meet in another way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +57,10 @@ class LiveGraph:
 
 
 def searched(
-    strokes: Sequence[Drawn], *, checkpoint: Callable[[float, str], None] = no_checkpoint
+    strokes: Sequence[Drawn],
+    *,
+    checkpoint: Callable[[float, str], None] = no_checkpoint,
+    only_visible: bool = False,
 ) -> LiveGraph:
     """Find the lines and corners that strokes draw.
 
@@ -60,6 +70,8 @@ def searched(
         In the order drawn.
     checkpoint : callable
         Called with the fraction done and the step's name; it may raise to end the work.
+    only_visible : bool
+        Whether hidden lines are left out, so that many corners have fewer than three.
     """
     size = size_of(strokes)
     if size == 0.0:
@@ -70,7 +82,10 @@ def searched(
         graph = graph_of_draft(None, pieces, segments, size, origin)
         return LiveGraph(graph, tuple(strokes), pieces)
     draft = best_draft(
-        segments, light_segments(segments), lambda: checkpoint(0.5, "Finding corners")
+        segments,
+        light_segments(segments),
+        lambda: checkpoint(0.5, "Finding corners"),
+        FEW_VISIBLE if only_visible else FEW_LINES,
     )
     graph = searched_graph(draft, pieces, segments, size, origin)
     return LiveGraph(graph, tuple(strokes), pieces, segments, draft)
@@ -90,6 +105,30 @@ def with_draft(live: LiveGraph, draft: Draft) -> LiveGraph:
     segments, origin = normalized(live.pieces, size)
     graph = searched_graph(draft, live.pieces, segments, size, origin)
     return replace(live, graph=graph, draft=draft)
+
+
+def with_certainty(live: LiveGraph) -> LiveGraph:
+    """Return a graph that knows how likely its lines are right.
+
+    Where that is in doubt and nothing else looks wrong, it is a finding where the closest other
+    way to join lines differs.
+
+    Parameters
+    ----------
+    live : LiveGraph
+        What all readings have settled on.
+    """
+    graph, draft = live.graph, live.draft
+    if draft is None or not len(graph.lines):
+        return live
+    cost, place = closest_other(draft)
+    size = size_of(live.strokes)
+    certainty = certainty_of(line_traits(graph, draft, cost, size))
+    health = graph.health
+    if certainty < LEAST_SURE and not health and place is not None:
+        _, origin = normalized(live.pieces, size)
+        health = (told(place * size + origin, "second reading"),)
+    return replace(live, graph=replace(graph, certainty=certainty, health=health))
 
 
 def continued(

@@ -10,7 +10,7 @@ from bozzetto_polyhedron.graph.clustering import clustered
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
 from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
 from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
-from bozzetto_polyhedron.graph.likelihood import Fits, Spread
+from bozzetto_polyhedron.graph.likelihood import FEW_LINES, Fits, Spread
 from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
 from bozzetto_polyhedron.graph.step_pairs import with_detours
@@ -49,7 +49,12 @@ MOST_PRICED: Final = 25_000
 take a thousand or two, the untidiest 21,000; scribbles, where all is close to all, took 58,000."""
 
 
-def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None]) -> Draft:
+def best_draft(
+    segments: Segments,
+    light: Flags,
+    checkpoint: Callable[[], None],
+    few: tuple[float, float, float] = FEW_LINES,
+) -> Draft:
     """Find the likeliest lines and corners.
 
     Parameters
@@ -60,13 +65,15 @@ def best_draft(segments: Segments, light: Flags, checkpoint: Callable[[], None])
         Which ones were drawn lightly.
     checkpoint : callable
         Called between steps; it may raise.
+    few : (float, float, float)
+        Cost of a corner of no, one, two lines.
     """
     rows = [dashed(segments, light, ACROSS_DASHES)]
     rows += [rows_of_dashes(segments, light, each) for each in ACROSS_ROWS]
     chains = list(dict.fromkeys(tuple(sorted(each)) for each in rows))
     starts = []
     groups: dict[tuple[int, float], tuple[Members, ...]] = {}
-    every = [Fits(segments, spread) for spread in SPREADS]
+    every = [Fits(segments, spread, few) for spread in SPREADS]
     for fits in every:
         spread = fits.spread
         for number, each in enumerate(chains):

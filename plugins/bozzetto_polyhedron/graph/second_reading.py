@@ -36,20 +36,39 @@ def second_readings(draft: Draft) -> list[Array]:
         The middle of the corners concerned of the likeliest such change, shares of the diagonal;
         empty where there is none.
     """
+    cost, place = closest_other(draft)
+    return [] if place is None or cost >= DOUBT else [place]
+
+
+def closest_other(draft: Draft) -> tuple[float, Array | None]:
+    """Return what the likeliest other way to join lines costs more, and where it differs.
+
+    Parameters
+    ----------
+    draft : Draft
+        Not changed.
+
+    Returns
+    -------
+    float
+        Nats; infinite where no change leaves every corner concerned three lines.
+    (2,) float64 or None
+        The middle of the corners concerned, shares of the diagonal.
+    """
     best: Change | None = None
-    least = DOUBT
+    least = float("inf")
     for change in steps(draft):
         if not change.dropped and _joins_otherwise(draft, change):
             price = draft.price(change)
             if price < least:
                 best, least = change, price
     if best is None:
-        return []
+        return least, None
     places = draft.places()
     gone = {corner for key in best.removed for corner in draft.lines[key].pair}
     kept = {corner for each in best.added for corner in each.pair}
     concerned = (gone - kept) or gone
-    return [np.array([places[corner] for corner in sorted(concerned)]).mean(0)]
+    return least, np.array([places[corner] for corner in sorted(concerned)]).mean(0)
 
 
 def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
@@ -81,7 +100,7 @@ def other_drafts(draft: Draft, dearest: float, most: int) -> list[Draft]:
         other = draft.copied()
         other.apply(change)
         found.setdefault(joined_pairs(other), other)
-    every = [Fits(draft.fits.segments, spread) for spread in SPREADS]
+    every = [Fits(draft.fits.segments, spread, draft.fits.few) for spread in SPREADS]
     best = [with_best_spread(each, every) for each in found.values()]
     return sorted(best, key=lambda each: each.doubt)[:most]
 

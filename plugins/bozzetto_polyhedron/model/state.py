@@ -170,7 +170,11 @@ class Body(Part):
     answer: Annotated[
         int,
         Parameter(
-            "Answer", 1, MOST_ANSWERS, help="Which solid the drawing shows, the likeliest first."
+            "Answer",
+            1,
+            MOST_ANSWERS,
+            help="Which solid the drawing shows, the likeliest first.",
+            in_forms=False,
         ),
     ] = 1
     hidden: Annotated[

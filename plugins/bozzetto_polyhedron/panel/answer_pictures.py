@@ -49,7 +49,7 @@ class AnswerPicture:
     number : int
         Of the answer, counted from 0.
     words : str
-        How likely it is, or that it is the chosen one turned inside out.
+        How likely it is, or that it is the likeliest one turned inside out.
     share : float
         Confidence, 0 … 1.
     pixels : (h, w, 4) uint8
@@ -122,13 +122,15 @@ def gallery_of(
         return Gallery(body.id, found.problem or waiting)
     camera = camera_of(body)
     chosen = found.number if body.choice is not None else -1
-    mirrored = mirrored_number(found.answers, found.number, camera.axes[2])
+    turned, mirrored = (
+        mirrored_number(found.answers, number, camera.axes[2]) for number in (0, found.number)
+    )
     shown = [k for k in range(len(found.answers)) if k < MOST or k in (chosen, mirrored)]
     pictures = []
     for number in shown:
         answer = found.answers[number]
         words = words_of(answer.confidence)
-        if number == mirrored:
+        if number == turned:
             words = "Inside out"
         pixels = picture_of(answer, found.graph.lines, camera, palette, size, scale)
         pictures.append(AnswerPicture(number, words, answer.confidence, pixels))

@@ -87,6 +87,7 @@ def answers_of(
     marked = is_marked(drawing)
     traits = traits_of(found[0].features, len(drawing.lines), drawing.noise)
     shares = confidences(np.array([each.score for each in found]), evidence_of(drawing), traits)
+    shares = graph.certainty * shares
     ranked: list[tuple[Reading, float]] = list(zip(found, shares.tolist(), strict=True))
     doubted = _by_looks(found)
     if doubted is not None and doubted >= most > 1:

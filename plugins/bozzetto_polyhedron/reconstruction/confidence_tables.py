@@ -37,6 +37,7 @@ TRAITS: Final = {
     "parts that stand out": (0.0, 1.0, 0.1838),
     "misfit of loose parts": (0.0, 0.75, -0.8609),
     "parts that hang nowhere": (0.0, 0.0, 0.0),
+    "gaps of loose parts": (0.0, 0.0, 0.0),
     "marks of hidden lines": (-18.54, 0.0, 0.06422),
     "logarithm of the number of lines": (2.197, 3.584, 2.153),
     "noise, diagonals": (0.002, 0.03093, 27.38),

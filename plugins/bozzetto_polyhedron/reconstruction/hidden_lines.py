@@ -3,7 +3,8 @@
 Three guesses: a face that is wholly visible is one end of a prism, whose other end is the same
 ring moved along its sides; the hidden half is the visible one turned by a half turn about a point;
 or it is the visible one mirrored in a plane (`mirror_images`). All hold in the picture of a
-parallel view as they do in space. Lengths are shares of the diagonal.
+parallel view as they do in space; drawings in perspective are made parallel first
+(`perspective`). Lengths are shares of the diagonal.
 """
 
 from __future__ import annotations
@@ -15,11 +16,20 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
-from bozzetto_polyhedron.reconstruction.visible_regions import Junctions, junctions_of, regions_of
+from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
+from bozzetto_polyhedron.reconstruction.visible_regions import (
+    Junctions,
+    holes_in,
+    junctions_of,
+    regions_of,
+    with_passing_lines,
+)
 
 NEAR: Final = 0.03
 """Distance within which a guessed corner is one that was drawn, beyond thrice the noise."""
@@ -32,6 +42,21 @@ LEAST_SHARE: Final = 0.05
 
 FEWEST: Final = 3
 """Corners of the least ring."""
+
+ALONG: Final = np.radians(5.0)
+"""Angle up to which a line of a guess runs along an axis, or two lines are parallel."""
+
+FLAT: Final = 0.15
+"""Least part of an axis on the sheet by which it tells depths."""
+
+SAME: Final = 1e-9
+"""Distance, diagonals, below which a guessed corner is a drawn one."""
+
+HELD: Final = 10.0
+"""Weight of depths of drawn corners."""
+
+SLACK: Final = 1e-3
+"""Weight of depths and slopes that nothing tells, which are 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +83,19 @@ class _Whole:
     lines: Index
 
 
-def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
+def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[HiddenLines, ...]:
     """Guess the lines that are hidden, the guess that explains most of the drawing first.
 
-    Mirror images come after all others; the best one has the last place at least.
+    Mirror images come after all others; the best one has the last place at least. Where the lines
+    meet in the distance, they are straightened first, and so are guesses that come before those
+    without perspective.
 
     Parameters
     ----------
     graph : LineGraph
         Of the visible lines; a line that goes behind a face ends on an edge of it.
+    camera : Camera
+        Through which it was drawn.
     most : int
         Largest number of guesses.
 
@@ -79,8 +108,41 @@ def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
     degrees = np.bincount(drawing.lines.ravel(), minlength=len(drawing.points))
     if len(drawing.lines) < FEWEST or (degrees >= 3).all():
         return ()
+    drawing = with_passing_lines(drawing)
+    junctions = junctions_of(drawing, (NEAR + 3.0 * drawing.noise) / 2.0)
+    faces = [
+        (ring, *holes_in(drawing, junctions, ring))
+        for ring in regions_of(drawing, junctions)
+        if len(ring) > FEWEST and not junctions.is_stem[list(ring)].any()
+    ]
+    view = parallel_view(drawing, camera, faces)
+    found = _guessed(view, junctions, most) if view.perspective > 0.0 else []
+    plain = ParallelView(
+        drawing, drawing.points, np.zeros(2), 0.0, np.zeros(len(drawing.points)), certain=False
+    )
+    return tuple(_different(found + _guessed(plain, junctions, most), drawing)[:most])
+
+
+def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLines]:
+    """Return guesses without those that repeat the lines of an earlier one."""
+    near = NEAR * drawing.diagonal
+    kept: list[HiddenLines] = []
+    for each in found:
+        middles = each.ends.mean(1)
+        repeats = (
+            len(other.ends) == len(each.ends)
+            and np.linalg.norm(middles[:, None] - other.ends.mean(1), axis=2).min(1).max() < near
+            for other in kept
+        )
+        if not any(repeats):
+            kept.append(each)
+    return kept
+
+
+def _guessed(view: ParallelView, junctions: Junctions, most: int) -> list[HiddenLines]:
+    """Return what may be hidden of a drawing without perspective, as it was drawn."""
+    drawing = view.drawing
     reach = NEAR + 3.0 * drawing.noise
-    junctions = junctions_of(drawing, reach / 2.0)
     # Much of a prism is a mirror image of something: mirrors are asked where the others end.
     wholes = [
         *((False, whole) for whole in _extruded(drawing, junctions, reach)),
@@ -91,17 +153,68 @@ def hidden_lines(graph: LineGraph, most: int = 3) -> tuple[HiddenLines, ...]:
     seen: list[_Whole] = []
     for is_mirrored, whole in wholes:
         missing, unexplained = _compared(drawing, junctions, whole, reach)
-        if unexplained > UNEXPLAINED or not len(missing) or _is_known(whole, seen, reach):
+        if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
             continue
         seen.append(whole)
-        pixels = (missing * (1.0, -1.0)) * drawing.diagonal + drawing.center
-        guess = HiddenLines(pixels, unexplained)
-        found.append((is_mirrored, round(unexplained, 3), len(missing), guess))
+        places = view.as_drawn(whole.points, _depths(view, whole))
+        places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
+        guess = HiddenLines(places[whole.lines[missing]], unexplained)
+        found.append((is_mirrored, round(unexplained, 3), int(missing.sum()), guess))
     found.sort(key=lambda each: each[:3])
     others = sum(not each[0] for each in found)
     if others < len(found):
         del found[max(1, most - 1) : others]
-    return tuple(each[3] for each in found[:most])
+    return [each[3] for each in found[:most]]
+
+
+def _depths(view: ParallelView, whole: _Whole) -> Array:
+    """Return depths of the corners of a whole, (n,): those drawn keep theirs.
+
+    A line rises with its length by the slope of its class; lines along an axis by that of the axis.
+    """
+    count = len(whole.points)
+    if view.perspective == 0.0 or view.axes is None:
+        return np.zeros(count)
+    ends = whole.points[whole.lines]
+    spans = ends[:, 1] - ends[:, 0]
+    lengths = np.maximum(np.linalg.norm(spans, axis=1), 1e-9)
+    axes = view.axes[np.linalg.norm(view.axes[:, :2], axis=1) > FLAT]
+    seen = axes[:, :2] / np.linalg.norm(axes[:, :2], axis=1)[:, None]
+    along = spans @ seen.T
+    turned = np.arccos(np.clip(np.abs(along) / lengths[:, None], 0.0, 1.0))
+    axis = turned.argmin(1)
+    labels = np.where(turned.min(1) < ALONG, axis, -1)
+    free = np.flatnonzero(labels < 0)
+    classes = _classes_of(spans[free])
+    names = int(classes.max(initial=-1)) + 1
+    rows = np.zeros((len(spans), count + names))
+    number = np.arange(len(spans))
+    rows[number, whole.lines[:, 1]] += 1.0
+    rows[number, whole.lines[:, 0]] -= 1.0
+    slopes = axes[:, 2] / np.linalg.norm(axes[:, :2], axis=1)
+    values = np.where(labels >= 0, along[number, axis] * slopes[axis], 0.0)
+    signed = np.where(spans[:, 0] + 1e-6 * spans[:, 1] < 0.0, -lengths, lengths)
+    rows[free, count + classes] = -signed[free]
+    away = np.linalg.norm(whole.points[:, None] - view.drawing.points, axis=2)
+    nearest = away.argmin(1)
+    drawn = np.flatnonzero(away.min(1) < SAME)
+    held = np.zeros((len(drawn), count + names))
+    held[np.arange(len(drawn)), drawn] = HELD
+    weak = SLACK * np.eye(count + names)
+    matrix = np.vstack((rows, held, weak))
+    right = np.concatenate((values, HELD * view.depths[nearest[drawn]], np.zeros(count + names)))
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0][:count])
+
+
+def _classes_of(spans: Array) -> Index:
+    """Return numbers of directions that lines of a parallel drawing share, (m,)."""
+    angles = np.arctan2(spans[:, 1], spans[:, 0]) % np.pi
+    labels = np.full(len(spans), -1, np.intp)
+    for number in range(len(spans)):
+        off = np.abs((angles - angles[number] + np.pi / 2.0) % np.pi - np.pi / 2.0)
+        if labels[number] < 0:
+            labels[(labels < 0) & (off < ALONG)] = labels.max(initial=-1) + 1
+    return labels
 
 
 def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
@@ -118,7 +231,22 @@ def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Who
             _, steps = _steps(drawing, junctions, ring, np.flatnonzero(labels == name))
             for step in _distinct(steps, reach):
                 found.append(_prism(drawing, ring, drawing.points[list(ring)] + step, reach))
+                holes = holes_in(drawing, junctions, ring)
+                if holes:
+                    found.append(_with_holes(drawing, found[-1], holes, step, reach))
     return found
+
+
+def _with_holes(
+    drawing: Drawing, whole: _Whole, holes: Sequence[Ring], step: Array, reach: float
+) -> _Whole:
+    """Return a prism with holes that go through it as far as its sides."""
+    points, lines = [whole.points], [whole.lines]
+    for ring in holes:
+        hole = _prism(drawing, ring, drawing.points[list(ring)] + step, reach)
+        lines.append(hole.lines + sum(len(each) for each in points))
+        points.append(hole.points)
+    return _Whole(np.concatenate(points), np.concatenate(lines))
 
 
 def _steps(
@@ -263,8 +391,8 @@ def _snapped(guessed: Array, drawn: Array, reach: float) -> Array:
 
 def _compared(
     drawing: Drawing, junctions: Junctions, whole: _Whole, reach: float
-) -> tuple[Array, float]:
-    """Return lines of a whole that were not drawn, (k, 2, 2), and the share of ink beside it."""
+) -> tuple[Flags, float]:
+    """Return which lines of a whole were not drawn, (k,), and the share of ink beside it."""
     starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
     ends = drawing.points[drawing.lines]
     stems = junctions.is_stem[drawing.lines]
@@ -277,8 +405,7 @@ def _compared(
     whole_lines = ~(stems[:, 0] | stems[:, 1])
     complete = fit & whole_lines[:, None]
     wanted = long & ~complete.any(0)
-    missing = np.stack((starts, stops), 1)[wanted]
-    return missing, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
+    return wanted, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
 
 
 def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: float) -> Flags:

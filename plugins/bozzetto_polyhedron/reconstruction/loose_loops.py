@@ -35,6 +35,20 @@ MARKS: Final = 1.0
 MOST: Final = 6
 """Ways that are kept for each part."""
 
+GAP: Final = 0.7
+"""Standard deviation of how far a ring that lies in a face is drawn from it, in units of the noise
+of a corner, in 120 drawings of holes."""
+
+APART: Final = 0.8
+"""Gap, in units of the noise, from which on it is also asked whether a ring lies beside a face."""
+
+BESIDE: Final = 3.5
+"""What a ring costs that lies close beside a face and not in it, nats: floors are of any thickness,
+of which twenty times the noise is usual, and holes are commoner."""
+
+WORST: Final = 12.0
+"""What a gap costs at most, nats."""
+
 
 class Seat(NamedTuple):
     """Numbers of a face of a body and one of a part that lie in one plane.
@@ -70,7 +84,7 @@ class Seated:
     def measures(self, drawing: Drawing, depths: Array) -> Array:
         """Return the measures of `Attached` for one part, misfit left out, at given depths."""
         within = _share_inside(drawing, self, depths)
-        return np.array((self.through * within, 1.0 - within, 0.0, 0.0))
+        return np.array((self.through * within, 1.0 - within, 0.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +96,9 @@ class Attached:
     depths : (n,) float64
         Away from the eye, diagonals.
     faces : tuple of Rings
-    measures : (4,) float64
-        Sums over the parts: through-holes, parts that stand out, misfit, parts that hang nowhere.
+    measures : (5,) float64
+        Sums over the parts: through-holes, parts that stand out, misfit, parts that hang nowhere,
+        what gaps between rings and faces cost.
     seated : tuple of Seated
         The parts that lie in faces.
     """
@@ -96,12 +111,12 @@ class Attached:
     @classmethod
     def alone(cls, depths: Array, faces: Sequence[Rings]) -> Attached:
         """Return a body without parts."""
-        return cls(depths, tuple(faces), np.zeros(4))
+        return cls(depths, tuple(faces), np.zeros(5))
 
     @property
     def rough(self) -> float:
         """What is better is less: a rough order in which ways are dropped."""
-        return float(self.measures @ (-0.5, 0.1, 1.0, 3.0))
+        return float(self.measures @ (-0.5, 0.1, 1.0, 3.0, 0.4))
 
     @property
     def hangs(self) -> bool:
@@ -109,8 +124,8 @@ class Attached:
         return bool(self.seated) and float(self.measures[3]) == 0.0
 
     def measured(self, drawing: Drawing, depths: Array) -> Array:
-        """Return the measures where the corners are as deep as this, (4,)."""
-        found = self.measures * (0.0, 0.0, 1.0, 1.0)
+        """Return the measures where the corners are as deep as this, (5,)."""
+        found = self.measures * (0.0, 0.0, 1.0, 1.0, 1.0)
         for each in self.seated:
             found = found + each.measures(drawing, depths)
         return np.asarray(found)
@@ -273,20 +288,52 @@ def _ways(
         depths, misfit = system.solved([levels[option]])
         if misfit > tolerance / abs(float(planes[option.face][1][2])):
             continue
-        seats = [option]
+        seats, gaps = [option], [0.0]
         for other in options:
             level, corners = levels[other]
             if all(other.face != s.face and other.ring != s.ring for s in seats):
                 off = float(np.abs(depths[system.places(corners)] - level).mean())
                 if off < tolerance / abs(float(planes[other.face][1][2])):
                     seats.append(other)
-        key = frozenset(seats)
-        if key in seen:
-            continue
-        seen.add(key)
-        depths, misfit = system.solved([levels[seat] for seat in seats])
-        found.append(_joined(drawing, body, part, seats, depths, misfit / tolerance))
+                    gaps.append(_gap(drawing, off, planes[other.face][1]))
+        costs = [min(WORST, 0.5 * (gap / GAP) ** 2) for gap in gaps]
+        for chosen, cost in _with_and_without(seats, gaps, costs):
+            key = frozenset(chosen)
+            if key in seen:
+                continue
+            seen.add(key)
+            depths, misfit = system.solved([levels[seat] for seat in chosen])
+            way = (misfit / tolerance, cost)
+            found.append(_joined(drawing, body, part, chosen, depths, way))
     return found or [_loose(body, known, part, system.solved([])[0])]
+
+
+def _gap(drawing: Drawing, off: float, normal: Array) -> float:
+    """Return how far a ring is drawn from a face, in units of the noise.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    off : float
+        Distance of the ring from the plane along the line of sight, diagonals.
+    normal : (3,) array
+        Of the plane. What is off along it appears as off |n_z| sqrt(1 - n_z²) on the sheet.
+    """
+    upright = abs(float(normal[2]))
+    return off * upright * float(np.sqrt(max(0.0, 1.0 - upright**2))) / max(1e-6, drawing.noise)
+
+
+def _with_and_without(
+    seats: Sequence[Seat], gaps: Sequence[float], costs: Sequence[float]
+) -> list[tuple[list[Seat], float]]:
+    """Return seats and their cost: all, and where some are far off, those that are not."""
+    ways = [(list(seats), sum(costs))]
+    near = [k for k, gap in enumerate(gaps) if gap < APART]
+    if len(near) < len(seats):
+        cost = sum(costs[k] for k in near) + BESIDE * (len(seats) - len(near))
+        ways.append(([seats[k] for k in near], cost))
+    return ways
 
 
 def _may_seat(
@@ -311,9 +358,12 @@ def _joined(
     part: Lifting,
     seats: Sequence[Seat],
     depths: Array,
-    misfit: float,
+    costs: tuple[float, float],
 ) -> Attached:
-    """Return the body with a part in its faces, or with faces of it in those of the part."""
+    """Return the body with a part in its faces, or with faces of it in those of the part.
+
+    Misfit and gaps of the seats are given as `costs`.
+    """
     new = body.depths.copy()
     new[list(part.corners)] = depths
     inward = {seat.face: part.faces[seat.ring][0] for seat in seats if not seat.is_outward}
@@ -326,7 +376,7 @@ def _joined(
     ]
     corners = frozenset(corner for seat in seats for corner in part.faces[seat.ring][0])
     seated = Seated(part, corners, body.faces, len(seats) > 1)
-    measures = seated.measures(drawing, new) + np.array((0.0, 0.0, misfit, 0.0))
+    measures = seated.measures(drawing, new) + np.array((0.0, 0.0, costs[0], 0.0, costs[1]))
     return Attached(new, tuple(faces), body.measures + measures, (*body.seated, seated))
 
 
@@ -345,7 +395,7 @@ def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> At
     """Return the body with a part beside it, as deep as its middle."""
     new = body.depths.copy()
     new[list(part.corners)] = depths - depths.mean() + body.depths[known].mean()
-    measures = body.measures + np.array((0.0, 0.0, 0.0, 1.0))
+    measures = body.measures + np.array((0.0, 0.0, 0.0, 1.0, 0.0))
     return Attached(new, body.faces + part.faces, measures, body.seated)
 
 

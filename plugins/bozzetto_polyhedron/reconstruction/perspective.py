@@ -8,7 +8,8 @@ depths 1 / (1 + k Z) that are linear on the sheet. The places q (1 + k Z) are a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -16,14 +17,17 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.planar_embedding import (
+    Ring,
     components,
     embedded_faces,
     neighbors_of,
     shared_pairs,
 )
 from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.axis_systems import AxisSystem, axis_system
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.planar_faces import inside
 
 STARTS: Final = (0.15, 0.6)
 """Perspectives, 1/diagonal, from which the fit starts."""
@@ -65,6 +69,12 @@ the eye explains five or six lines of a tetrahedron by chance."""
 NEAREST: Final = 0.2
 """Least distance from the eye, in those of the sheet."""
 
+SEATED: Final = (0.02, 2.0)
+"""How far off a plane a ring may be to lie in it: diagonals, and more a diagonal of noise."""
+
+MOST_SEATS: Final = 12
+"""Faces and rings that are tried for each loose part, at most."""
+
 MEAN: Final = 1e3
 """Weight of the condition that the mean depth is 0."""
 
@@ -90,6 +100,10 @@ class ParallelView:
         By which places were straightened.
     certain : bool
         Whether the perspective tells near from far.
+    middle : (2,) float64
+        Of straightened places, which is the zero of those of `drawing`.
+    axes : (3, 3) float64, optional
+        Axes by which places were straightened, rows right, up and away from the eye.
     """
 
     drawing: Drawing
@@ -98,6 +112,21 @@ class ParallelView:
     perspective: float
     depths: Array
     certain: bool
+    middle: Array = field(default_factory=lambda: np.zeros(2))
+    axes: Array | None = None
+
+    def as_drawn(self, places: Array, depths: Array) -> Array:
+        """Return where straightened places are on the sheet as it was drawn, (n, 2), diagonals.
+
+        Parameters
+        ----------
+        places : (n, 2) array
+            In the units of `drawing`.
+        depths : (n,) array
+            Away from the eye, as those of this view.
+        """
+        away = np.maximum(1.0 + self.perspective * depths, NEAREST)
+        return np.asarray((places + self.middle) / away[:, None] + self.about)
 
     def shape(self, depths: Array) -> Array:
         """Return corners in space that are seen where they were drawn, (n, 3), diagonals.
@@ -135,7 +164,9 @@ class ParallelView:
         return not self.certain or float(off @ (self.depths - self.depths.mean())) >= 0.0
 
 
-def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
+def parallel_view(
+    drawing: Drawing, camera: Camera, faces: Sequence[Rings] | None = None
+) -> ParallelView:
     """Return a drawing without its perspective: that of the camera, another one, or none.
 
     Parameters
@@ -144,6 +175,9 @@ def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
         In units of its own size.
     camera : Camera
         Through which it was drawn; a person may draw otherwise than it sees.
+    faces : sequence of Rings, optional
+        Rings of corners that lie in one plane each; those that follow from the lines of a whole
+        solid without.
     """
     zero = np.zeros(2)
     plain = ParallelView(drawing, drawing.points, zero, 0.0, np.zeros(len(drawing.points)), False)
@@ -176,15 +210,36 @@ def parallel_view(drawing: Drawing, camera: Camera) -> ParallelView:
         return plain
     _, eye, about, system = min(found, key=lambda each: each[0])
     flat = drawing.points - about
-    depths = _depths(drawing, flat, system, eye)
+    if faces is None:
+        parts = _faces_of_parts(drawing)
+        known: list[Rings] = [(ring,) for rings in parts for ring in rings]
+
+        def solved(planar: Sequence[Rings]) -> Array:
+            return _depths(drawing, flat, system, eye, planar)
+
+        for seats in _seats_of_parts(drawing, parts):
+            known += _level_seats(replace(drawing, points=flat), eye, known, seats, solved)
+        depths = solved(known)
+    else:
+        depths = _depths(drawing, flat, system, eye, faces)
     straight = flat * (1.0 + eye * depths)[:, None]
     certain = parallel_cost - system.cost > CERTAIN
+    middle = straight.mean(0)
     return ParallelView(
-        replace(drawing, points=straight - straight.mean(0)), flat, about, eye, depths, certain
+        replace(drawing, points=straight - middle),
+        flat,
+        about,
+        eye,
+        depths,
+        certain,
+        middle,
+        system.axes,
     )
 
 
-def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float) -> Array:
+def _depths(
+    drawing: Drawing, flat: Array, system: AxisSystem, eye: float, faces: Sequence[Rings]
+) -> Array:
     """Return depths of mean 0 by lines along axes and by planar faces.
 
     Without the mean, all corners would fall together in the eye, where every equation holds.
@@ -207,7 +262,7 @@ def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float) -> Ar
             values.append(-(flat[lines[:, 1]] - flat[lines[:, 0]]) @ normal[:2])
     matrix, right = np.vstack(rows), np.concatenate(values)
     depths = np.linalg.lstsq(matrix, right, rcond=None)[0]
-    planar = _planar_rows(drawing, flat)
+    planar = face_rows(flat, range(len(flat)), faces)
     lowest = (NEAREST - 1.0) / max(eye, 1e-9)
     for _ in range(ROUNDS if len(planar) else 0):
         depths = np.clip(depths, lowest, 4.0)
@@ -221,14 +276,80 @@ def _depths(drawing: Drawing, flat: Array, system: AxisSystem, eye: float) -> Ar
     return np.asarray(np.clip(np.nan_to_num(depths), lowest, 4.0))
 
 
-def _planar_rows(drawing: Drawing, flat: Array) -> Array:
-    """Return rows that vanish on reciprocal depths where faces known from the lines are planar."""
+def _faces_of_parts(drawing: Drawing) -> list[tuple[Ring, ...]]:
+    """Return the faces of each part that follow from its lines, the largest part first."""
     neighbors = neighbors_of(drawing.lines)
-    found = [np.zeros((0, len(flat)))]
+    found: list[tuple[float, tuple[Ring, ...]]] = []
     for part in components(neighbors):
         if len(part) < 4:
             continue
         rings = embedded_faces({corner: neighbors[corner] for corner in part})
         if rings is not None and not shared_pairs(rings):
-            found.append(face_rows(flat, range(len(flat)), [(ring,) for ring in rings]))
-    return np.vstack(found)
+            size = float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0)))
+            found.append((size, rings))
+    return [rings for _, rings in sorted(found, key=lambda each: -each[0])]
+
+
+def _seats_of_parts(
+    drawing: Drawing, parts: Sequence[tuple[Ring, ...]]
+) -> Iterator[list[tuple[Ring, Ring]]]:
+    """Yield of each part but the first its rings that appear inside a face of a larger one."""
+    for number, part in enumerate(parts[1:], start=1):
+        faces = [face for other in parts[:number] for face in other]
+        seats = [
+            (face, ring)
+            for face in faces
+            for ring in part
+            if bool(inside(drawing.points[list(ring)], drawing.points[list(face)]).all())
+        ]
+        if seats:
+            yield sorted(seats, key=lambda seat: _lightness(drawing, (*seat[0], *seat[1])))
+
+
+def _lightness(drawing: Drawing, corners: Sequence[int]) -> float:
+    """Return how light the lines between some corners are."""
+    between = np.isin(drawing.lines, corners).all(1)
+    return float(drawing.light[between].mean()) if between.any() else 0.0
+
+
+def _level_seats(
+    drawing: Drawing,
+    eye: float,
+    known: Sequence[Rings],
+    seats: Sequence[tuple[Ring, Ring]],
+    solved: Callable[[Sequence[Rings]], Array],
+) -> list[Rings]:
+    """Return seats of a loose part that lie in one plane each.
+
+    Lines and faces leave open how deep such a part lies. It is put where most of its rings lie in
+    faces, both of a hole; of ways that are alike, where lines are drawn most firmly.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        As seen from the point before which the eye is.
+    eye : float
+        Perspective, 1/diagonal.
+    known : sequence of Rings
+        Faces that are planar.
+    seats : sequence of (Ring, Ring)
+        A face and a ring of the part inside it, the firmest first.
+    solved : callable
+        Depths, (n,), for which given faces are planar.
+    """
+    near = SEATED[0] + SEATED[1] * drawing.noise
+    corners = range(len(drawing.points))
+    best: list[Rings] = []
+    most = 0
+    for seat in seats[:MOST_SEATS]:
+        depths = solved([*known, seat])
+        bent = depths / (1.0 + eye * depths)
+        level: list[Rings] = [
+            each
+            for each in seats
+            if float(np.abs(face_rows(drawing.points, corners, [each]) @ bent).max()) < near
+        ]
+        rings = {each[1] for each in level}
+        if len(rings) > most:
+            best, most = level, len(rings)
+    return best

@@ -36,6 +36,7 @@ EVIDENCE: Final = (
     "parts that stand out",
     "misfit of loose parts",
     HANGING,
+    "gaps of loose parts",
     "marks of hidden lines",
 )
 """Measures of a reading beside its regularity, in the order of their columns."""

@@ -27,6 +27,7 @@ WEIGHTS: Final = {
     "parts that stand out": -0.29,
     "misfit of loose parts": -0.43,
     "parts that hang nowhere": -6.00,
+    "gaps of loose parts": -1.00,
     "marks of hidden lines": 0.90,
 }
 """Weight of each measure."""

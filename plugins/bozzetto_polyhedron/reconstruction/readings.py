@@ -47,6 +47,9 @@ OPEN: Final = FEATURES.index("open lines")
 MOST_WAYS: Final = 4
 """Ways in which loose parts lie in a body that are solved together with it."""
 
+THROUGH: Final = FEATURES.index("through-holes")
+"""Column of the number of through-holes."""
+
 UPRIGHT: Final = 8.0
 """Standard deviation from upright, degrees, of lines that are upright in space."""
 
@@ -139,7 +142,7 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
     """Return readings without those that repeat a better one.
 
     Of two that have one shape, the one whose faces leave fewer lines open stays, in the place of
-    the better one.
+    the better one. A hole and a pocket with a thin floor are two.
 
     Parameters
     ----------
@@ -157,6 +160,8 @@ def distinct(drawing: Drawing, ordered: Sequence[Reading]) -> list[Reading]:
         near = np.zeros(len(kept), bool)
         for side in sides:
             near |= ((depths - side * others[: len(kept)]) ** 2).mean(1) <= same**2
+        holes = np.array([other.features[THROUGH] for other in kept])
+        near &= np.abs(holes - each.features[THROUGH]) < 0.5
         alike = np.flatnonzero(near).tolist()
         if not alike:
             others[len(kept)] = depths

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.planar_faces import inside
 
 MIDDLE: Final = 0.04
 """Distance from the ends of a line beyond which another one ends on its middle, diagonals."""
+
+
+STRAIGHT: Final = np.radians(20.0)
+"""Angle up to which two lines may go straight on through a corner."""
+
+BESIDE: Final = (0.003, 2.0)
+"""Distance of the corner from the line that they make, up to which they do: diagonals, and more for
+each diagonal of noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +40,42 @@ class Junctions:
 
     is_stem: Flags
     on_line: Index
+
+
+def with_passing_lines(drawing: Drawing) -> Drawing:
+    """Return a drawing in which two of three lines that go straight on through a corner are one.
+
+    The third one goes behind it there: no corner of a solid lies on an edge that goes on, and few
+    look so by chance.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        Corners and visible lines.
+    """
+    lines = [tuple(pair) for pair in drawing.lines.tolist()]
+    light = drawing.light.tolist()
+    for corner in range(len(drawing.points)):
+        here = [k for k, pair in enumerate(lines) if corner in pair]
+        if len(here) != 3:
+            continue
+        ends = [sum(lines[k]) - corner for k in here]
+        spans = drawing.points[ends] - drawing.points[corner]
+        spans /= np.linalg.norm(spans, axis=1, keepdims=True)
+        cosines = spans @ spans.T
+        one, other = divmod(int(cosines.argmin()), 3)
+        joined = (min(ends[one], ends[other]), max(ends[one], ends[other]))
+        way = drawing.points[joined[1]] - drawing.points[joined[0]]
+        off = drawing.points[corner] - drawing.points[joined[0]]
+        away = abs(way[0] * off[1] - way[1] * off[0]) / max(1e-9, float(np.hypot(*way)))
+        bent = cosines[one, other] > -np.cos(STRAIGHT)
+        if bent or away > BESIDE[0] + BESIDE[1] * drawing.noise or joined in lines:
+            continue
+        first, second = sorted((here[one], here[other]))
+        lines[first] = joined
+        light[first] = 0.5 * (light[first] + light[second])
+        del lines[second], light[second]
+    return replace(drawing, lines=np.array(lines, np.intp).reshape(-1, 2), light=np.array(light))
 
 
 def junctions_of(drawing: Drawing, reach: float) -> Junctions:
@@ -71,6 +118,39 @@ def regions_of(drawing: Drawing, junctions: Junctions) -> list[tuple[int, ...]]:
     junctions : Junctions
         Those ends.
     """
+    return [
+        ring for ring in _boundaries(drawing, junctions) if _area(drawing.points[list(ring)]) > 0
+    ]
+
+
+def holes_in(drawing: Drawing, junctions: Junctions, ring: Sequence[int]) -> list[Ring]:
+    """Return rings around lines that appear inside a ring and that no line joins to it.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        Corners and visible lines.
+    junctions : Junctions
+        Ends of lines that go behind others.
+    ring : sequence of int
+        Corners of the outer ring.
+    """
+    outer = drawing.points[list(ring)]
+    return [
+        each[::-1]
+        for each in _boundaries(drawing, junctions)
+        if len(each) > 2
+        and not set(each) & set(ring)
+        and _area(drawing.points[list(each)]) < 0.0
+        and bool(inside(drawing.points[list(each)], outer).all())
+    ]
+
+
+def _boundaries(drawing: Drawing, junctions: Junctions) -> list[Ring]:
+    """Return rings around regions, bounded ones counter-clockwise, the others the other way round.
+
+    Those that pass a corner twice are left out.
+    """
     turns = _turns(drawing, _pieces(drawing, junctions))
     left = set(turns)
     found = []
@@ -82,7 +162,7 @@ def regions_of(drawing: Drawing, junctions: Junctions) -> list[tuple[int, ...]]:
             ring.append(turns[ring[-1]])
             left.discard(ring[-1])
         corners = [side[0] for side in ring]
-        if len(set(corners)) < len(corners) or _area(drawing.points[corners]) <= 0.0:
+        if len(set(corners)) < len(corners):
             continue
         passed = [_passes(junctions, drawing, ring[k - 1], side) for k, side in enumerate(ring)]
         found.append(tuple(c for c, through in zip(corners, passed, strict=True) if not through))

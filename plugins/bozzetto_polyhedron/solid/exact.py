@@ -40,6 +40,7 @@ from bozzetto_polyhedron.solid.regularities import (
     regularities,
     rounded_frame,
 )
+from bozzetto_polyhedron.solid.typed_lengths import moved_planes
 
 SNAPS: Final = (3.0, 1.5, 0.7)
 """Tolerances that are tried one after another, in standard deviations of a corner."""
@@ -107,6 +108,7 @@ def exact_body(
     equal: Sequence[EqualLengths] = (),
     slanted: Sequence[int] = (),
     camera: Camera | None = None,
+    up: Sequence[float] = (0.0, 0.0, 1.0),
 ) -> PlanarBody:
     """Return the nearest body with exact planes.
 
@@ -127,6 +129,8 @@ def exact_body(
         Faces that keep the angles that were drawn, in the order of the answer.
     camera : Camera, optional
         Through which the drawing was made: what is seen of it is kept more strictly than depth.
+    up : (x, y, z)
+        Where the ground is not: of two faces whose distance is typed the lower one stays.
 
     Returns
     -------
@@ -145,15 +149,43 @@ def exact_body(
     if typed:
         _refuse_slanted(fit.normals, typed)
         relations = _relations(drawn, fit.normals, dimensions, equal)
-        fit = fitted_planes(drawn.vertices, drawn.pairs, regular, relations, drawn.sight)
-        if not fit.violation <= ACCEPTED:
-            raise UserError("These dimensions contradict one another. Change or take away one.")
-        if not _keeps_shape(drawn, fit, by_hand=False):
-            raise UserError(
-                "With this dimension faces would turn over or run into one another. Type another"
-                " one."
-            )
+        fit = _with_lengths(drawn, fit, regular, relations, _directions(camera, up))
     return _in_world(drawn, fit, regular, told)
+
+
+def _directions(camera: Camera | None, up: Sequence[float]) -> Array:
+    """Return up, to the right and away from the eye, as rows: of planes, these give way first."""
+    if camera is None:
+        return np.array((up, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    right, _, away = camera.axes
+    return np.array((up, right, away))
+
+
+def _with_lengths(
+    drawn: _Drawn,
+    fit: PlaneFit,
+    regular: Regularities,
+    relations: Relations,
+    directions: Array,
+) -> PlaneFit:
+    """Return the fit with lengths that were typed; nothing else changes if that can be."""
+    changes = relations.coefficients, relations.values - relations.coefficients @ fit.offsets
+    moved = moved_planes(
+        fit.vertices, drawn.pairs, drawn.edges, fit.normals, changes, directions, drawn.noise
+    )
+    if moved is not None:
+        vertices, offsets = fit.vertices + moved[0], fit.offsets + moved[1]
+        found = PlaneFit(vertices, fit.normals, offsets, fit.violation)
+        if _keeps_shape(drawn, found, by_hand=False):
+            return found
+    found = fitted_planes(drawn.vertices, drawn.pairs, regular, relations, drawn.sight)
+    if not found.violation <= ACCEPTED:
+        raise UserError("These dimensions contradict one another. Change or take away one.")
+    if not _keeps_shape(drawn, found, by_hand=False):
+        raise UserError(
+            "With this dimension faces would turn over or run into one another. Type another one."
+        )
+    return found
 
 
 def _checked(answer: Answer, noise: float, camera: Camera | None) -> _Drawn:

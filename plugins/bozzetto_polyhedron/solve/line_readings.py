@@ -17,7 +17,7 @@ from bozzetto.arrays import Array
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.draft import NOT_WHOLE, Draft
 from bozzetto_polyhedron.graph.health import told
-from bozzetto_polyhedron.graph.live import LiveGraph, with_draft
+from bozzetto_polyhedron.graph.live import LiveGraph, with_certainty, with_draft
 from bozzetto_polyhedron.graph.second_reading import joined_pairs, other_drafts
 from bozzetto_polyhedron.reconstruction.answers import LEAST_LINES
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
@@ -88,8 +88,14 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
     LiveGraph
         The same one where the sheet leaves no doubt and its lines are those of solids, and where
         something else looks wrong. Where readings in space leave no doubt, the finding is taken
-        out; where they leave faces open, that is a finding.
+        out; where they leave faces open, that is a finding. Its certainty is that of what was
+        chosen.
     """
+    return with_certainty(_chosen(live, camera, checkpoint))
+
+
+def _chosen(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGraph:
+    """Return the graph whose best reading in space speaks most for it, without its certainty."""
     if any(each.what != "second reading" for each in live.graph.health):
         return live
     if live.draft is None or live.draft.loose or (live.draft.is_whole and not live.graph.health):

@@ -35,6 +35,9 @@ from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
 Checkpoint = Callable[[float, str], None]
 
 
+UP: Final = (0.0, 0.0, 1.0)
+"""Where the ground is not, in a drawing that was not moved."""
+
 ROUNDED: Final = 1e-13
 """Differences below this share of the size are rounding, where a body that was turned has planes
 square to an axis of the world."""
@@ -207,8 +210,10 @@ def _base(
 ) -> PlanarBody:
     dimensions = dimensions_of(state.measures_of(body), graph, answers[number])
     slanted = slanted_faces(state.slants_of(body), graph, answers[number])
+    turned = body.placement.rotation
+    up = turned[6:9] if dimensions else UP
     return exact_body_of_ink(
-        body.strokes, body.hidden, number, state.exact, dimensions, slanted, checkpoint
+        body.strokes, body.hidden, number, state.exact, dimensions, slanted, up, checkpoint
     )
 
 
@@ -244,6 +249,12 @@ def _without_checkpoint(*asked: Any) -> Hashable:
 def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
     """Return the lines of a drawing and the corners in which they meet."""
     return without_findings_at_flaps(in_order(_searched(strokes, checkpoint).graph))
+
+
+@remembered(limit=16, key=_without_checkpoint)
+def graph_of_visible_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
+    """Return the lines of a drawing in which hidden ones are left out."""
+    return in_order(searched(strokes, checkpoint=checkpoint, only_visible=True).graph)
 
 
 @remembered(limit=64, key=_without_checkpoint)
@@ -285,6 +296,7 @@ def exact_body_of_ink(
     right_angles: bool,
     dimensions: tuple[Dimension, ...],
     slanted: tuple[int, ...],
+    up: tuple[float, ...],
     checkpoint: Checkpoint,
 ) -> PlanarBody:
     """Return an answer of a drawing with exact planes, in the frame of the drawing."""
@@ -298,6 +310,7 @@ def exact_body_of_ink(
         dimensions=dimensions,
         slanted=slanted,
         camera=camera,
+        up=up,
     )
 
 

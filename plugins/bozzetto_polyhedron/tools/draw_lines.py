@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, override
 from bozzetto.scene import Scene
-from bozzetto_polyhedron.commands.answers import has_body
+from bozzetto_polyhedron.commands.answers import chosen_body, has_body
 from bozzetto_polyhedron.commands.pieces import has_followed, step_of_followed
 from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
@@ -68,13 +68,13 @@ class DrawLines(ErasingTool):
         """Return the first thing that looks wrong, and where; or that it can be turned."""
         if state.chosen_of(Added) is not None or state.chosen_of(Join) is not None:
             return NextStep(_after_added(state))
-        body = state.chosen_of(Body)
+        body = _body_meant(state)
         linkages = [one for one in state.shown(Body) if is_linkage(one, state)]
         if linkages and (body is None or body in linkages):
             return NextStep(LINKAGE, tool="move")
         if body is None and has_followed(state) and not has_body(state):
             return step_of_followed(state)
-        if body is None or not len(body.strokes):
+        if body is None:
             return NextStep(FIRST)
         graph = graph_of_ink(body.strokes, never)
         if len(graph.lines) < FEWEST:
@@ -88,7 +88,14 @@ class DrawLines(ErasingTool):
         found: Solved | None = None
         with suppress(UserError):
             found = solved(body, state)
-        return NextStep(sentence_of(found))
+        return NextStep(sentence_of(found, state))
+
+
+def _body_meant(state: PolyhedronState) -> Body | None:
+    """Return the body that is chosen, or that what is chosen belongs to, or the only one."""
+    with suppress(UserError):
+        return chosen_body(state)
+    return None
 
 
 def _after_added(state: PolyhedronState) -> str:

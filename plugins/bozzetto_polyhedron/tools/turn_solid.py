@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Final
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solve.picking import corner_at
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.tools.erase import ErasingTool
+
+LAID: Final = {"nets": "The net lies", "faces": "Every face lies flat"}
+"""What is said of what files get, where that is not the solid."""
 
 
 class TurnSolid(ErasingTool):
@@ -54,15 +58,17 @@ class TurnSolid(ErasingTool):
             finding = found.graph.health[0]
             x, y, z = (float(v) for v in on_sheet(body, np.array([finding.place]))[0])
             return NextStep(finding.sentence, place=(x, y, z))
-        return NextStep(sentence_of(found))
+        return NextStep(sentence_of(found, state))
 
 
-def sentence_of(found: Solved | None) -> str:
+def sentence_of(found: Solved | None, state: PolyhedronState) -> str:
     """Return what to do with a solid that was turned."""
     if found is None or found.answer is None:
         return "These lines make no shape yet. Draw the edges that are missing."
     if found.problem:
         return found.problem
+    if state.files != "solids":
+        return f"{LAID[state.files]} beside it: Home shows all of it. SVG and DXF get it."
     count, sure = len(found.answers), found.answer.confidence
     if count > 1 and sure < SURE:
         return f"Is it this one? X shows the next of {count} answers."

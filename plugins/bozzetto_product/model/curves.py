@@ -74,7 +74,8 @@ class Curve(Part):
     mirrored : bool
         The mirror image in the state's symmetry plane is there as well: one curve, twice.
     told : tuple of str
-        What a person should know of how it was laid in space; until it is drawn over.
+        What a person should know of how it was laid in space; until it is laid anew: drawn over,
+        straightened, laid in a plane, cut at the edges under it.
     """
 
     spline: Spline | None = None

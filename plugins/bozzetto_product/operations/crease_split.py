@@ -11,7 +11,7 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.end_moves import moved_to_ends
-from bozzetto_product.operations.meetings import curve_of, joint_at, spline_of
+from bozzetto_product.operations.meetings import curve_of, joint_at, laid_anew, spline_of
 from bozzetto_product.operations.pieces import split_curve
 from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.projection.depth_fit import SAMPLES, at_depth, look_along
@@ -61,7 +61,7 @@ def split_at_creases(state: ProductState, curve_id: str, scene: Scene) -> Produc
             if not is_inner and joint_at(state, name, float(end)) is not None:
                 ends[end] = before.control_points[-end]
         made[name] = moved_to_ends(after, *ends)
-    return settled_state(state, made)
+    return settled_state(laid_anew(state, *names), made)
 
 
 def _laid(spline: Spline, camera: Camera, scene: Scene) -> Spline:

@@ -20,6 +20,7 @@ from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
     joint_of,
+    laid_anew,
     spline_of,
     splines_of,
     unused_joint_ids,
@@ -52,7 +53,7 @@ def straighten(state: ProductState, curve_id: str) -> ProductState:
     first, last = spline.control_points[0], spline.control_points[-1]
     points = first + greville(spline)[:, None] * (last - first)
     points[0], points[-1] = first, last
-    return settled_state(state, {curve_id: Spline(spline.knots, points)})
+    return settled_state(laid_anew(state, curve_id), {curve_id: Spline(spline.knots, points)})
 
 
 def make_planar(state: ProductState, curve_id: str, plane: Plane | None = None) -> ProductState:
@@ -81,7 +82,7 @@ def make_planar(state: ProductState, curve_id: str, plane: Plane | None = None) 
     if own and not spline.closed:
         flat[0], flat[-1] = points[0], points[-1]
     made = Spline(spline.knots, flat, spline.closed)
-    node = replace(curve, spline=made, plane=flat_in)
+    node = replace(curve, spline=made, plane=flat_in, told=())
     nodes = tuple(node if one.id == curve_id else one for one in state.nodes)
     return settled_state(replace(state, nodes=nodes), {curve_id: made})
 

@@ -259,7 +259,7 @@ def _put_together(
         points[end] = spline_of(state, kept[k]).control_points[at]
     fresh = replace(
         curve, id=name, name=state.unused_name("Curve"), spline=Spline(arc.knots, points),
-        strokes=Strokes(), laid=None, plane=None,
+        strokes=Strokes(), laid=None, plane=None, told=(),
     )  # fmt: skip
     joints = tuple(
         replace(one, meetings=(*one.meetings, Meeting(name, float(corners.index(one.id)))))
@@ -278,8 +278,9 @@ def _put_together(
 
 
 def _exchanged(state: ProductState, one: str, other: str) -> ProductState:
-    """Return the network with the ids of two curves exchanged."""
+    """Return the network with the ids and the names of two curves exchanged."""
     swap = {one: other, other: one}
+    names = {curve_id: curve_of(state, curve_id).name for curve_id in swap}
     nodes: list[Any] = []
     for node in state.nodes:
         if isinstance(node, Patch):
@@ -288,7 +289,8 @@ def _exchanged(state: ProductState, one: str, other: str) -> ProductState:
             )
             nodes.append(replace(node, boundary=runs))
         else:
-            nodes.append(replace(node, id=swap.get(node.id, node.id)))
+            known = swap.get(node.id, node.id)
+            nodes.append(replace(node, id=known, name=names.get(known, node.name)))
     joints = tuple(
         replace(
             joint,

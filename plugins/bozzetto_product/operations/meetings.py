@@ -55,6 +55,15 @@ def with_splines(state: ProductState, splines: Mapping[str, Spline]) -> ProductS
     return replace(state, nodes=nodes)
 
 
+def laid_anew(state: ProductState, *curve_ids: str) -> ProductState:
+    """Return the state with nothing to tell of how some curves were drawn; the choice stays."""
+    nodes = tuple(
+        replace(node, told=()) if isinstance(node, Curve) and node.id in curve_ids else node
+        for node in state.nodes
+    )
+    return replace(state, nodes=nodes)
+
+
 def place_at(spline: Spline, share: float) -> Array:
     """Return the place at a share of the range, (3,) mm; ends of open curves are exact."""
     if not spline.closed and share <= 0.0:

@@ -62,6 +62,7 @@ def offset_curve(
         spline=made,
         plane=None,
         laid=None,
+        told=(),
     )
     return state.with_node(fresh), name
 

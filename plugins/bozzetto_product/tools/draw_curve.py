@@ -73,6 +73,10 @@ _COVERED: Final = (
     "Surfaces lie within what they were drawn on. Hide that in the list of objects to see them, "
     "and show it again to draw on it."
 )
+_WITHIN: Final = (
+    "Surfaces lie within what they were drawn on. Where an object hides them, hide it in the list "
+    "of objects."
+)
 _GAP: Final = (
     "An end nearly meets a curve, {:.3g} mm away. Touch it with the tool “Join” to join them."
 )
@@ -105,8 +109,11 @@ class DrawCurve(ProductTool):
             return NextStep(_GAP.format(gaps[0].distance), gaps[0].place, JOIN_TOOL)
         if state.of_kind(Curve) and not state.of_kind(Patch):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
-        if len(state.of_kind(FollowedShape)) and len(state.of_kind(Patch)):
+        has_surfaces = bool(state.of_kind(Patch))
+        if has_surfaces and len(state.of_kind(FollowedShape)):
             return NextStep(_COVERED)
+        if has_surfaces and _is_on_what_is_no_part(state):
+            return NextStep(_WITHIN)
         return NextStep(_LIES.get(state.lay, self.hint))
 
     @override
@@ -126,6 +133,11 @@ class DrawCurve(ProductTool):
         older = continued_curve(state, ink.strokes)
         strokes = (*older.strokes, *ink.strokes) if older is not None else ink.strokes
         return with_drawn(state, strokes, context, older)
+
+
+def _is_on_what_is_no_part(state: ProductState) -> bool:
+    """Whether curves were drawn on another object, or on a rough shape that is gone."""
+    return not state.of_kind(RoughShape) and any(curve.strokes for curve in state.of_kind(Curve))
 
 
 def with_drawn(

@@ -113,6 +113,44 @@ def test_a_new_sheet_shows_the_whole_box_and_home_does(make_window, settle, size
     assert sees_all(window), "Home shows the box even though nothing is drawn"
 
 
+@pytest.mark.parametrize("covered", [1, 150, 276, 639])
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_what_is_framed_lies_beside_what_covers_the_sheet(covered, kind):
+    rng = np.random.default_rng(6)
+    for view in ("front", "three-quarter", "top"):
+        points = rng.normal(scale=(300.0, 120.0, 90.0), size=(80, 3)) + 1000.0
+        camera = navigation.with_kind(Camera(viewport=(1280.0, 800.0)), kind)
+        seen = framed(standard_view(camera, view), points, covered)
+        assert is_in_view(seen, points, covered=covered)
+        across = seen.project(points)[0][:, 0]
+        assert across.min() - covered == pytest.approx(1280.0 - across.max(), abs=1.0)
+
+
+@pytest.mark.parametrize("modeler", ["product", "symmetry"])
+def test_on_a_new_sheet_the_box_lies_beside_the_strip_with_the_samples(
+    make_window, settle, qtbot, modeler
+):
+    """Half of the rough box of a new product lay under it, where nobody could draw."""
+    window = make_window()
+    window.resize(1280, 800)
+    window.show()
+    session = window.session
+    settle(session, window.keeper)
+    assert window.welcome.isVisible()
+    session.toolbox.take_modeler(f"bozzetto.{modeler}")
+    settle(session, window.keeper)
+    covered = window.welcome.width()
+    points = points_to_frame(session)
+    assert is_in_view(session.view.camera, points, covered=covered)
+    before = session.view.camera
+    window.welcome.hide()
+    settle(session, window.keeper)
+    assert session.view.camera == before, "nothing moves when the strip closes"
+    window.canvas.views.fit()
+    settle(session, window.keeper)
+    assert is_in_view(session.view.camera, points)
+
+
 def test_taking_another_modeler_on_a_new_sheet_shows_its_box(make_window, settle):
     window = make_window()
     window.resize(560, 900)
@@ -262,7 +300,9 @@ def test_what_a_command_puts_on_a_new_sheet_is_in_view(make_window, settle, view
     The person's view stays if the bottle is seen there; who looks at nothing is shown it.
     """
     window = make_window("bozzetto.product")
+    window.welcome.hide()  # beside it there is room for a bottle as well
     session = window.session
+    session.files.new()
     settle(session, window.keeper)
     if view == "away":
         look_away(window)

@@ -10,6 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin import ViewAdvice
+from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view.navigation import orbit, pan, zoom
 
@@ -136,6 +137,22 @@ def wheel(canvas, x, y, angle):
         Qt.ScrollPhase.NoScrollPhase, False,
     )  # fmt: skip
     QApplication.sendEvent(canvas, event)
+
+
+def test_the_wheel_zooms_to_a_curve_that_is_nearer_than_the_sheet(session, canvas):
+    """The eye went past a curve under the cursor, which was behind it then."""
+    camera = session.view.camera
+    near = np.asarray(camera.eye) + 0.4 * camera.distance * camera.axes[2]
+    right = camera.axes[0]
+    curve = Lines(np.array([near - 20.0 * right, near + 20.0 * right]))
+    session.scene.show(Scene((Layer("curves", (curve,)),)))
+    (x, y), _ = (row[0] for row in camera.project([near]))
+    for _ in range(20):
+        wheel(canvas, x, y + 5.0, 120)
+    (seen,), depth = session.view.camera.project([near])
+    assert depth[0] > 0.0
+    np.testing.assert_allclose(seen, (x, y), atol=1e-6)
+    assert depth[0] < 0.05 * camera.project([near])[1][0]
 
 
 def test_the_wheel_zooms_to_the_cursor_and_back(session, canvas, on_box):

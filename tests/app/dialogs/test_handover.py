@@ -147,3 +147,25 @@ def test_asking_twice_opens_one_dialog_and_again_another_one(window, qtbot):
     assert opened(window) is first
     first.close()
     assert opened(window) is not first
+
+
+def test_nothing_moves_under_the_pointer_when_the_answer_comes(window, qtbot):
+    """The dialog grew when it had measured, and the switches went down with it."""
+    window.session.objects.delete(window.session.drawing.document.models[1].id)  # no list of them
+    dialog = opened(window)
+    qtbot.waitUntil(dialog.isVisible)
+    controls = [*dialog.formats.values(), dialog.unit, dialog.scale, dialog.hidden, dialog.state]
+    qtbot.wait(50)
+
+    def places():
+        return [one.mapTo(dialog, one.rect().topLeft()).toTuple() for one in controls]
+
+    before = places()
+    choose(dialog, "stl", "glb")
+    ready(qtbot, dialog)
+    dialog.warning.setText("What is said of the file.")
+    dialog.warning.show()
+    dialog._grow()
+    qtbot.wait(50)
+    assert places() == before
+    assert dialog.warning.height() >= dialog.warning.heightForWidth(dialog.warning.width())

@@ -11,9 +11,12 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
 from bozzetto.errors import UserError
+from bozzetto.plugin.guard.guard import MOST_FAULTS
 from bozzetto.plugin.host.registry import Registry
+from bozzetto_app.panels import plugin_panel
 from bozzetto_app.panels.plugin_panel import AFTER_FORM, PluginPanel
 from bozzetto_app.session.session import Session
+from bozzetto_app.session.window_faults import watch_window_faults
 
 MANIFEST = """
 id = "paneled.plugin"
@@ -51,6 +54,16 @@ class Paneled(Modeler):
 @hookimpl
 def bozzetto_modelers():
     return [Paneled()]
+
+raised = [KeyError("here")]
+
+def failing(host):
+    from PySide6.QtWidgets import QPushButton
+    button = QPushButton("Fail")
+    def fail():
+        raise raised[0]
+    button.clicked.connect(fail)
+    return button
 
 @hookimpl
 def bozzetto_panel(modeler_id, parent, host):
@@ -216,3 +229,65 @@ def test_what_it_does_wrong_is_told_and_changes_nothing(session, panel, plugin):
         hosts[0].change(wrong, "Wrong")
         assert len(notices) > told
         assert session.selection.model.state is state
+
+
+def test_what_a_panel_gives_wrongly_is_its_own_fault(session, panel, plugin):
+    hosts, notices = [], []
+    session.notices.noticed.connect(notices.append)
+    plugin.made = lambda host: hosts.append(host) or QPushButton()
+    draw(session)
+    for method, wrong in (("complain", "text"), ("run", 5)):
+        getattr(hosts[0], method)(wrong)
+        assert notices[-1].plugin == "paneled.plugin"
+        assert f"gave {method} {type(wrong).__name__} where" in notices[-1].text
+        assert __file__ in notices[-1].details
+
+
+@pytest.fixture
+def watched(session):
+    end = watch_window_faults(session)
+    yield session
+    end()
+
+
+@pytest.mark.qt_no_exception_capture
+def test_what_a_slot_of_a_panel_raises_reaches_the_person(watched, panel, plugin, capsys):
+    notices = []
+    watched.notices.noticed.connect(notices.append)
+
+    plugin.made = plugin.failing
+    draw(watched)
+    for _ in range(9):
+        panel.findChild(QPushButton).click()
+    faults = [each for each in notices if each.kind == "fault"]
+    assert len(faults) == MOST_FAULTS, "then it is switched off"
+    notice = faults[0]
+    assert notice.plugin == "paneled.plugin"
+    assert "its panel failed (KeyError: 'here')" in notice.text
+    assert "KeyError" in notice.details
+    assert "KeyError" in capsys.readouterr().err, "printed as before"
+
+
+@pytest.mark.qt_no_exception_capture
+def test_what_the_program_raises_is_no_fault_of_a_plugin(watched, panel, plugin, monkeypatch):
+    notices = []
+    watched.notices.noticed.connect(notices.append)
+    monkeypatch.setattr(watched.registry.guard, "blame", lambda *_: pytest.fail("wrong blame"))
+
+    draw(watched)
+    monkeypatch.setattr(plugin_panel, "with_state", None)  # the shell's own code then fails
+    for _ in range(9):
+        panel.findChild(QPushButton).click()
+    assert [each.plugin for each in notices if each.kind == "fault"] == [""]
+    assert "Bozzetto made a mistake" in notices[-1].text
+
+
+@pytest.mark.qt_no_exception_capture
+def test_a_refusal_in_a_slot_is_told_as_every_refusal(watched, panel, plugin):
+    notices = []
+    watched.notices.noticed.connect(notices.append)
+    plugin.made, plugin.raised = plugin.failing, [UserError("Later.")]
+    draw(watched)
+    for _ in range(2):
+        panel.findChild(QPushButton).click()
+    assert [(each.kind, each.text) for each in notices[-2:]] == [("error", "Later.")] * 2

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit
 
 from bozzetto_app.widgets.number_field import NumberField, format_number, is_scale, sensible_step
 
@@ -294,3 +295,21 @@ def test_a_scale_is_not_much_wider_than_what_is_usual():
     assert is_scale(1000.0, 10_000.0, 4200.0)
     assert not is_scale(1e-3, 1e6, 120.0)
     assert not is_scale(-1e5, 1e5, 0.0)
+
+
+@pytest.mark.parametrize("typing", [False, True])
+@pytest.mark.parametrize("letter", [chr(code) for code in range(ord("A"), ord("Z") + 1)])
+def test_the_key_of_a_command_reaches_it_from_a_field(field, letter, typing):
+    """Lines of text take Ctrl+E, Ctrl+K, Ctrl+D and others on X11; a number has no use for them."""
+    if typing:
+        typed(field, "12")
+    key = getattr(Qt.Key, f"Key_{letter}")
+    event = QKeyEvent(
+        QEvent.Type.ShortcutOverride, key, Qt.KeyboardModifier.ControlModifier, letter.lower()
+    )
+    event.ignore()
+    QApplication.sendEvent(field, event)
+    if letter in "ACVX" or (typing and letter == "Z"):
+        assert event.isAccepted()
+    elif letter != "Y":  # redo on some systems only
+        assert not event.isAccepted()

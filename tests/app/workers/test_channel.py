@@ -173,12 +173,16 @@ def test_a_patient_channel_tells_that_work_is_slow_and_waits_for_it(qtbot, heard
     channel = Channel("test", time_limit=0.2, is_patient=True)
     gate, told = threading.Event(), []
     channel.slow.connect(told.append)
+    ends: list[bool] = []
+    channel.caught_up.connect(lambda: ends.append(channel.busy))
     channel.submit(heard.request(lambda job: gate.wait(20) and "late, but here"))
     qtbot.waitUntil(lambda: bool(told), timeout=10_000)
     assert [type(problem) for problem in told] == [Hung]
     assert channel.busy
+    assert not ends
     gate.set()
     qtbot.waitUntil(lambda: not channel.busy, timeout=10_000)
+    assert ends == [False]
     assert heard.answers == ["late, but here"]
     assert heard.problems == []
     assert len(told) == 1
@@ -191,10 +195,12 @@ def test_slow_work_that_does_not_listen_can_be_stopped(qtbot, heard, monkeypatch
     channel.slow.connect(told.append)
     channel.submit(heard.request(lambda job: gate.wait(20)))
     qtbot.waitUntil(lambda: bool(told), timeout=10_000)
-    channel.cancel()
+    with qtbot.waitSignal(channel.caught_up, timeout=10_000):
+        channel.cancel()
     qtbot.waitUntil(lambda: not channel.busy, timeout=10_000)
-    channel.submit(heard.request(lambda job: "the next"))
-    qtbot.waitUntil(lambda: heard.answers == ["the next"], timeout=10_000)
+    with qtbot.assertNotEmitted(channel.caught_up):
+        channel.submit(heard.request(lambda job: "the next"))
+        qtbot.waitUntil(lambda: heard.answers == ["the next"], timeout=10_000)
     gate.set()
 
 

@@ -22,6 +22,7 @@ from bozzetto.testing.abilities import ABILITIES
 from bozzetto.testing.checks import CHECKS
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
+from bozzetto.workbench.workbench import Workbench
 from tests import adviser, linked_boxes, plugin_package
 from tests.adviser import MODELER
 from tests.core.plugin.conftest import GOOD_MANIFEST
@@ -127,6 +128,21 @@ def test_an_ending_that_only_a_command_writes_names_the_command(
     assert main(["export", drawn, "-o", str(target), "--command", "list"]) == 0
     assert target.read_text() == "marks: 1"
     assert main(["export", drawn, "-o", str(tmp_path / "marks.zzz")]) != 0
+    assert "Use one of" in capsys.readouterr().err
+    assert main(["export", drawn, "-o", str(target), "--command", "lsit"]) != 0
+    assert "No object has a command 'lsit'; files are written by: list." in capsys.readouterr().err
+
+
+def test_build_names_the_command_that_writes_an_ending(shell, marks, monkeypatch, tmp_path, capsys):
+    from bozzetto.cli.main import main
+
+    monkeypatch.setattr(marks, "commands", listed(marks))
+    monkeypatch.setattr("bozzetto.cli.build.workbench", lambda: shell.workbench)
+    shell.draw(LINE)
+    build = ["build", MODELER, str(shell.save()), "-o"]
+    assert main([*build, str(tmp_path / "marks.txt")]) != 0
+    assert "“.txt” is written by a command: add --command list." in capsys.readouterr().err
+    assert main([*build, str(tmp_path / "marks.zzz")]) != 0
     assert "Use one of" in capsys.readouterr().err
 
 
@@ -473,3 +489,45 @@ def test_a_source_is_changed_and_its_follower_chosen_again(tmp_path, monkeypatch
     assert shell.shapes().solids[0].mesh.bounds == pytest.approx(2.0 * before)
     with pytest.raises(KeyError, match="nobody"):
         shell.choose("nobody")
+
+
+# -- files of facts ---------------------------------------------------------------------------
+
+
+TELLING = """
+from dataclasses import dataclass
+from bozzetto.geometry import Shapes
+from bozzetto.plugin import Modeler, hookimpl
+from bozzetto.scene import Scene
+
+@dataclass(frozen=True)
+class State:
+    height: float = 0.0
+
+class Telling(Modeler):
+    id, state_type = __name__ + ".modeler", State
+    def create(self, context):
+        return State(float(context.facts.get("cup", 0.0)))
+    def solve(self, state, job):
+        return 0
+    def scene(self, state, result):
+        return Scene()
+    def shapes(self, state, result):
+        return Shapes()
+
+@hookimpl
+def bozzetto_modelers():
+    return [Telling()]
+"""
+
+
+def test_a_file_of_facts_is_read_by_create_alone(make_package):
+    package = make_package(TELLING, f'{GOOD_MANIFEST}facts = "cup"\n')
+    other = make_package(TELLING, f'{GOOD_MANIFEST}facts = "vase"\n')
+    sources = Workbench(Registry(extra=[package, other])).sources
+    cup = Drawing(Strokes(), Camera(), "cup", facts={"cup": 4.5})
+    assert sources.from_drawing(f"{package}.modeler", cup, {}).state.height == 4.5
+    with pytest.raises(UserError, match="is a file of Modeler"):
+        sources.from_drawing(f"{other}.modeler", cup, {})
+    with pytest.raises(UserError, match="takes no ink"):
+        sources.from_drawing(f"{other}.modeler", Drawing(Strokes(), Camera(), facts={"x": 1}), {})

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.testing.lint import check_package, icon_fault
 
 GOOD_MANIFEST = """
@@ -254,3 +255,88 @@ def test_files_of_a_plugins_own_are_checked_by_it(tmp_path, capsys):
     assert "C9" in capsys.readouterr().out
     assert main(["plugins", "check", str(other)]) != 0
     assert "No plugin knows" in capsys.readouterr().err
+
+
+def test_a_call_that_never_answers_is_named_and_the_rest_is_left(faulty, monkeypatch):
+    from bozzetto.testing import time_limit
+
+    def hang(*_):
+        while True:
+            pass
+
+    monkeypatch.setattr(time_limit, "LONGEST_CALL", 0.5)
+    faulty.misdeeds["apply"] = hang
+    (finding,) = check_package(faulty.package)
+    assert finding.serious
+    assert "draw.draw gave no answer for 0.5 s" in finding.message
+    assert "checks were not tried" in finding.message
+
+
+def test_what_an_import_could_not_bring_is_not_told_besides(make_package):
+    told = f'{GOOD_MANIFEST}abilities = ["panel"]\n'
+    (finding,) = check_package(make_package("def f(:", told))
+    assert "SyntaxError" in finding.message
+
+
+STEPPING = """
+from dataclasses import dataclass, replace
+from bozzetto.geometry import Shapes
+from bozzetto.plugin import Modeler, Tool, UserError, hookimpl
+from bozzetto.scene import Scene
+
+@dataclass(frozen=True)
+class State:
+    height: float = 0.0
+
+class Pull(Tool):
+    id, title, hint, gesture, grabs, plays = "pull", "Pull", "Pull it.", "drag", True, True
+    def step(self, state, held, seconds, context):
+        return GIVES
+
+class Stepping(Modeler):
+    id, state_type = __name__ + ".modeler", State
+    def tools(self):
+        return (Pull(),)
+    def solve(self, state, job):
+        return 0
+    def scene(self, state, result):
+        return Scene()
+    def shapes(self, state, result):
+        return Shapes()
+
+@hookimpl
+def bozzetto_modelers():
+    return [Stepping()]
+"""
+
+
+@pytest.mark.parametrize(
+    ("gives", "told"),
+    [
+        ("replace(state, height=state.height + seconds)", ""),
+        ("None", "pull.step gave what cannot be used"),
+        ("held.path", "pull.step failed (AttributeError"),
+        ("replace(state, height=float(id(object())) + __import__('time').time())", "second time"),
+    ],
+)
+def test_steps_in_time_are_checked(make_package, gives, told):
+    from bozzetto.testing.motion_checks import check_steps
+    from bozzetto.testing.subject import Broken, Subject
+
+    package = make_package(STEPPING.replace("GIVES", gives))
+    subject = Subject(f"{package}.modeler", (package,))
+    if not told:
+        check_steps(subject)
+        return
+    with pytest.raises((Broken, PluginFault)) as problem:
+        check_steps(subject)
+    assert told in str(problem.value)
+
+
+def test_a_tool_that_plays_without_a_step_is_told(make_package):
+    from bozzetto.testing.motion_checks import check_steps
+    from bozzetto.testing.subject import Broken, Subject
+
+    package = make_package(STEPPING.replace("def step", "def stepp").replace("GIVES", "state"))
+    with pytest.raises(Broken, match="plays, and has no step"):
+        check_steps(Subject(f"{package}.modeler", (package,)))

@@ -79,3 +79,33 @@ def test_one_preview_gets_a_gesture_as_it_grows() -> None:
     for kind in ("draw", "drag"):
         preview.update(GESTURES[kind])
     assert asked == [GESTURES["draw"], GESTURES["drag"]]
+
+
+class Carried(Tool[tuple[tuple[int, float], ...]]):
+    """Notes how much of the path each step has, and its time."""
+
+    id, title, hint, gesture = "carried", "Carried", "Drag it.", "drag"
+
+    def step(self, state, held, seconds, context):
+        assert held is not None
+        assert held.handle == "handle"
+        return (*state, (len(held.path.x), round(seconds, 6)))
+
+
+def test_a_drag_of_a_file_is_taken_in_the_steps_of_a_hand() -> None:
+    times = [0.0, 0.001, 0.02, 0.03, 0.04, 9.0, 9.001]
+    path = Stroke(range(7), [0.0] * 7, CAMERA, t=times, pressure=[0.1 * k for k in range(7)])
+    steps = Carried().drag((), Drag("handle", path), CONTEXT)
+    assert [count for count, _ in steps] == [1, 3, 5, 6, 7], "as quickly as the host, and the end"
+    assert max(seconds for _, seconds in steps) == pytest.approx(0.05), "nothing jumps"
+    assert min(seconds for _, seconds in steps) > 0.0
+    assert steps == Carried().apply((), Drag("handle", path), CONTEXT)
+    untimed = Carried().drag((), Drag("handle", Stroke(range(4), [0.0] * 4, CAMERA)), CONTEXT)
+    assert untimed == tuple((k, pytest.approx(1 / 60, abs=1e-6)) for k in (1, 2, 3, 4))
+
+
+def test_a_tool_of_taps_that_plays_takes_no_drag() -> None:
+    tool = Carried()
+    tool.gesture = "tap"
+    with pytest.raises(UserError, match="Drag it"):
+        tool.drag((), GESTURES["drag"], CONTEXT)

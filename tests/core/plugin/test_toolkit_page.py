@@ -39,3 +39,11 @@ def test_pieces_of_code_run():
     assert len(pieces) == 2
     for piece in pieces:
         exec(piece, {})  # noqa: S102
+
+
+def test_every_number_that_documentation_mentions_has_its_value_and_words():
+    told = write_toolkit.named_limits()
+    assert {"LEAST_ANGLE", "GAP_SHARE"} <= {key.rpartition(".")[2] for key in told}
+    for key, (namers, _, words) in told.items():
+        assert namers, key
+        assert len(words) > 10, f"{key} has no words below it"

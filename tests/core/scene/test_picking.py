@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bozzetto.geometry.mesh import Mesh
-from bozzetto.scene import Layer, Scene, Shaded
-from bozzetto.scene.picking import cast_rays
-from bozzetto.view.camera import Rays
+from bozzetto.scene import Layer, Lines, Scene, Shaded
+from bozzetto.scene.picking import cast_rays, place_on_lines
+from bozzetto.view.camera import Camera, Rays
 from tests.core.scene.shapes import box, scene_of, soup, sphere
 
 
@@ -149,3 +149,43 @@ def test_the_tree_of_a_mesh_holds_each_corner_once():
     for part in (tree.corner, tree.edge1, tree.edge2):
         owner = part if part.base is None else part.base
         assert owner.nbytes == 24 * len(mesh.faces)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 10_000), kind=st.sampled_from(["perspective", "orthographic"]))
+def test_the_place_on_a_line_is_the_nearest_of_many_that_were_tried(seed, kind):
+    random = np.random.default_rng(seed)
+    camera = Camera(kind=kind, height=60.0)
+    points = random.uniform(-25.0, 25.0, (12, 3)).astype(np.float32)
+    lines = Lines(points, starts=np.array([0, 5, 6], np.int32))
+    scene = Scene((Layer("curves", (lines,)),))
+    pixel = tuple(random.uniform(0.0, camera.viewport))
+    shares = np.linspace(0.0, 1.0, 400)[:, None]
+    pairs = [(k, k + 1) for k in range(11) if k + 1 not in (5, 6)]
+    tried = np.concatenate([(1 - shares) * points[a] + shares * points[b] for a, b in pairs])
+    gaps = np.linalg.norm(camera.project(tried)[0] - pixel, axis=1)
+    found = place_on_lines(scene, camera, pixel, 1e9)
+    gap = np.linalg.norm(camera.project([found])[0][0] - pixel)
+    assert gap <= gaps.min() + 1e-6
+    assert np.linalg.norm(tried - found, axis=1).min() < 0.2  # it lies on one of them
+    assert place_on_lines(scene, camera, pixel, gap - 1e-6) is None
+
+
+def test_lines_that_are_not_seen_have_no_place():
+    camera = Camera()
+    behind = 2.0 * np.asarray(camera.eye) - np.asarray(camera.target)
+    away = Lines(np.array([behind, behind + 1.0]))
+    clear = Lines(np.array([(-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)]), opacity=0.0)
+    middle = (0.5 * camera.viewport[0], 0.5 * camera.viewport[1])
+    for scene in (
+        Scene(),
+        Scene(
+            (
+                Layer(
+                    "none",
+                    (away, clear, Lines(np.zeros((1, 3)))),
+                ),
+            )
+        ),
+    ):
+        assert place_on_lines(scene, camera, middle, 1e9) is None

@@ -124,6 +124,24 @@ def test_a_stroke_on_the_sketch_is_kept_in_pixels_of_the_picture() -> None:
     assert np.abs(edit.strokes[0].points - pixels).max() < 1e-3
 
 
+def test_a_stroke_right_after_a_mark_is_kept_where_it_was_seen_on_the_picture() -> None:
+    """The view has not gone along with the mark yet: it is through the sketch as it was seen."""
+    before = marked(2)
+    drawn_on, pixels = on_sketch(before, near(before, "S3-S2"), 25.0)
+    sketch_camera = body_of(before).sketch_cameras["1"]
+    camera = sketch_camera.view((1200.0, 800.0))
+    x, y = camera.project(sketch_camera.lifted(pixels))[0].T
+    stroke = Stroke(x, y, camera)
+    after = with_mark_moved(before, "C3", (0.0, -30.0))
+    assert not body_of(after).sketch_cameras["1"].is_seen_through(camera)
+    (made,) = TOOL.apply(after, Ink((stroke,)), replace(CONTEXT, seen=(before,))).edits
+    assert made.sketch == "1"
+    assert made.edges == drawn_on.edits[-1].edges
+    assert np.abs(made.strokes[0].points - pixels).max() < 1e-3
+    (aside,) = traced(after, stroke).edits  # nobody saw the car otherwise: a view from elsewhere
+    assert aside.sketch == ""
+
+
 @pytest.mark.parametrize("stem", ["S3-S2", "B3-B2", "S3-B3", "R2-R1"])
 def test_it_stays_on_its_line_when_marks_move_the_camera(stem: str) -> None:
     state = marked(2)

@@ -29,7 +29,7 @@ NAMES = {
 
 def said(each: Outcome) -> float:
     """Return the confidence of a first reading."""
-    return confidence_of_first(each.lead, each.evidence, each.traits)
+    return each.certainty * confidence_of_first(each.lead, each.evidence, each.traits)
 
 
 def rows(name: str, every: list[Outcome]) -> None:

@@ -1,29 +1,57 @@
-"""Prisms of which only visible lines are drawn: how often their hidden lines are guessed.
+"""Solids of which only visible lines are drawn: how often their hidden lines are guessed.
 
     python -m tests.plugins.polyhedron.figures_hidden_lines [--count 80] [--first 20000]
 
-Solids and views that nothing was tuned on. A guess is right if the drawing with its lines added
-is the graph of the solid; first answers are those of this drawing, as `figures_end_to_end` asks.
+Prisms, and blocks with a hole through them, in views that nothing was tuned on: parallel ones, and
+from 5, 2 and 1.2 sizes away, on a sheet that has no perspective itself. A guess is right if the
+drawing with its lines added is the graph of the solid; first answers are those of this drawing, as
+`figures_end_to_end` asks.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
+from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.completion import completed
 from tests.plugins.polyhedron.figures_end_to_end import is_whole, share
+from tests.plugins.polyhedron.fine_parts import fine_part
 from tests.plugins.polyhedron.graph_truth import graph_of, is_right
 from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
-from tests.plugins.polyhedron.objects import CAMERA, TO_CANVAS, View, hidden_places, made, view
+from tests.plugins.polyhedron.objects import (
+    CAMERA,
+    TO_CANVAS,
+    Polyhedron,
+    View,
+    hidden_places,
+    made,
+    view,
+)
 
 PRISMS = ("rectilinear prism", "stairs", "letter prism", "slanted prism", "slanted step")
+
+KINDS: dict[str, Callable[[int], Polyhedron | None]] = {
+    "prisms": lambda seed: made(seed, PRISMS),
+    "blocks with a hole": lambda seed: fine_part("frame", seed),
+}
+
+ROWS = (
+    ("prisms", 0.0, None),
+    ("prisms", 0.01, None),
+    ("prisms", 0.01, 5.0),
+    ("prisms", 0.01, 2.0),
+    ("prisms", 0.01, 1.2),
+    ("blocks with a hole", 0.01, None),
+    ("blocks with a hole", 0.01, 2.0),
+)
+"""Kind, jitter, and distance of the eye in sizes; none in a parallel view."""
 
 SAMPLES = 200
 
@@ -59,24 +87,30 @@ def stretches(seen: np.ndarray) -> Iterator[tuple[int, int]]:
     yield from zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True)
 
 
-def drawing(seed: int, hand: Hand) -> tuple[View, tuple[Stroke, ...]] | None:
-    seen = view(made(seed, PRISMS), seed)
+def drawing(
+    seed: int, hand: Hand, distance: float | None = None, kind: str = "prisms"
+) -> tuple[View, tuple[Stroke, ...]] | None:
+    """Draw the visible lines of a solid, seen in perspective from a distance in sizes."""
+    solid = KINDS[kind](seed)
+    seen = None if solid is None else view(solid, seed, distance)
     if seen is None:
         return None
     places, lines = visible_lines(seen)
     return seen, strokes_of(places, lines, hand, seed)
 
 
-def outcome(seed: int, hand: Hand) -> tuple[list[bool], bool] | None:
+def outcome(
+    seed: int, hand: Hand, distance: float | None = None, kind: str = "prisms"
+) -> tuple[list[bool], bool] | None:
     """Whether each guess is right, and whether the first answer of the right one is the solid."""
-    drawn = drawing(seed, hand)
+    drawn = drawing(seed, hand, distance, kind)
     if drawn is None:
         return None
     seen, strokes = drawn
     edges = [(int(a), int(b)) for a, b in seen.solid.edges]
     places = seen.plane * TO_CANVAS * SIZE + 200.0
     right, whole = [], False
-    for guess in hidden_lines(graph_of(strokes)):
+    for guess in hidden_lines(searched(strokes, only_visible=True).graph, CAMERA):
         graph = graph_of(completed(strokes, guess))
         right.append(is_right(graph, places, edges))
         if right[-1]:
@@ -91,19 +125,22 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=80)
     parser.add_argument("--first", type=int, default=20_000)
     asked = parser.parse_args()
-    print("| visible lines of prisms | first guess right | among three | then exact solid first |")
+    print("| visible lines | first guess right | among three | then exact solid first |")
     print("| --- | --- | --- | --- |")
-    for jitter in (0.0, 0.01):
+    seeds = range(asked.first, asked.first + asked.count)
+    for kind, jitter, distance in ROWS:
         hand = Hand(jitter=jitter, wobble=0.6 * jitter)
-        seeds = range(asked.first, asked.first + asked.count)
-        found = [each for seed in seeds if (each := outcome(seed, hand)) is not None]
+        found = [
+            each for seed in seeds if (each := outcome(seed, hand, distance, kind)) is not None
+        ]
         first = [bool(right[:1] and right[0]) for right, _ in found]
         three = [any(right) for right, _ in found]
+        seen = "parallel" if distance is None else f"eye at {distance:g} sizes"
         print(
-            f"| {100 * jitter:g} % of jitter | {share(first)} | {share(three)} "
+            f"| {kind}, {100 * jitter:g} % of jitter, {seen} | {share(first)} | {share(three)} "
             f"| {share([whole for _, whole in found])} |"
         )
-    print("\nAsked: 70 % among three.")
+    print("\nAsked: 70 % of prisms among three.")
 
 
 if __name__ == "__main__":

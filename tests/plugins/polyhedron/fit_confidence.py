@@ -81,12 +81,16 @@ from typing import Final
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The first reading of one drawing: its lead and traits, and whether it is right."""
+    """The first reading of one drawing: its lead and traits, and whether it is right.
+
+    The certainty is that of the lines: 1 where they are given.
+    """
 
     evidence: str
     lead: float
     traits: np.ndarray
     right: bool
+    certainty: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +145,7 @@ def judged(
         right = faces == seen.solid.face_sets() and is_right(seen, shape, noise, mirrored)
     lead = lead_of(np.array([each.score for each in found]))
     traits = traits_of(first.features, len(drawing.lines), drawing.noise)
-    return Outcome(evidence_of(drawing), lead, traits, right)
+    return Outcome(evidence_of(drawing), lead, traits, right, graph.certainty)
 
 
 def fitted(every: Sequence[Outcome]) -> Fit:

@@ -50,6 +50,7 @@ START = {
     "parts that stand out": -0.3,
     "misfit of loose parts": -0.5,
     "parts that hang nowhere": -6.0,
+    "gaps of loose parts": -1.0,
     "marks of hidden lines": 0.7,
 }
 

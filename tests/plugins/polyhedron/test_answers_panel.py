@@ -14,6 +14,7 @@ pytest.importorskip("PySide6")
 from PySide6.QtWidgets import QWidget
 
 from bozzetto.scene import DARK, LIGHT
+from bozzetto_polyhedron.commands.answers import with_answer
 from bozzetto_polyhedron.model.assign_stroke import new_body
 from bozzetto_polyhedron.model.state import Choice, PolyhedronState
 from bozzetto_polyhedron.panel.answer_pictures import gallery_of, words_of
@@ -62,6 +63,20 @@ def test_pictures_are_of_all_answers_and_differ(house: PolyhedronState) -> None:
 def test_the_answer_turned_inside_out_is_among_them_and_says_so(house: PolyhedronState) -> None:
     words = [each.words for each in gallery_of(house, LIGHT, SIZE).pictures]
     assert words.count("Inside out") == 1
+
+
+@pytest.mark.parametrize("name", ["house", "L", "box"])
+def test_a_picture_says_the_same_whichever_is_chosen(name: str) -> None:
+    """The likeliest one lost its “Almost certain” as soon as its mirror image was chosen."""
+    state = drawn(name)
+    count = len(solved(state.nodes[0], state).answers)
+    said = []
+    for number in range(count):
+        shown = gallery_of(with_answer(state, state.nodes[0], number), LIGHT, SIZE)
+        assert shown.chosen == number
+        said.append({each.number: each.words for each in shown.pictures})
+    for words in said:
+        assert all(words[number] == each for number, each in said[0].items())
 
 
 def test_pictures_follow_the_theme(house: PolyhedronState) -> None:

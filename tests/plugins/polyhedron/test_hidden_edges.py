@@ -12,21 +12,39 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
 from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges, without_guessed
 from bozzetto_polyhedron.graph.line_graph import LineGraph
+from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.model.assign_stroke import new_body
 from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
+from bozzetto_polyhedron.reconstruction.drawing import LEAST_NOISE, drawing_of
+from bozzetto_polyhedron.reconstruction.hidden_lines import NEAR, hidden_lines
+from bozzetto_polyhedron.reconstruction.visible_regions import with_passing_lines
 from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
-from tests.plugins.polyhedron.graph_truth import graph_of
-from tests.plugins.polyhedron.hand import SIZE, Hand
-from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, View, frustum, view
+from tests.plugins.polyhedron.fine_parts import fine_part
+from tests.plugins.polyhedron.graph_truth import graph_of, is_right
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
+from tests.plugins.polyhedron.objects import (
+    CAMERA,
+    OBJECTS,
+    Polyhedron,
+    View,
+    box,
+    frustum,
+    polyhedron_of,
+    view,
+)
+
+SNAPPED = NEAR + 3.0 * LEAST_NOISE
+"""Distance within which a guessed corner is put on a drawn one, diagonals."""
 
 STEADY = Hand(jitter=0.0, wobble=0.0, tremble=0.0)
 
 
-def seen_graph(solid: Polyhedron, seed: int) -> tuple[View, LineGraph]:
+def seen_graph(
+    solid: Polyhedron, seed: int, distance: float | None = None
+) -> tuple[View, LineGraph]:
     """The visible lines of a solid as a graph without noise."""
-    seen = view(solid, seed)
+    seen = view(solid, seed, distance)
     assert seen is not None
     places, lines = visible_lines(seen)
     used, numbers = np.unique(np.array(lines), return_inverse=True)
@@ -41,7 +59,7 @@ def seen_graph(solid: Polyhedron, seed: int) -> tuple[View, LineGraph]:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_hidden_lines_of_a_prism_are_those_of_the_solid(name: str, seed: int) -> None:
     seen, graph = seen_graph(OBJECTS[name], seed)
-    guess = hidden_lines(graph)[0]
+    guess = hidden_lines(graph, CAMERA)[0]
     corners = seen.plane * (1.0, -1.0) * SIZE
     away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
     assert away.min(1).max() < 0.02 * SIZE
@@ -70,11 +88,82 @@ def test_mirror_images_are_among_the_guesses(solid: Polyhedron, seed: int) -> No
     hidden = {tuple(sorted(p)) for p, s in zip(solid.edges.tolist(), seen.hidden, strict=True) if s}
     corners = seen.plane * (1.0, -1.0) * SIZE
     found = []
-    for guess in hidden_lines(graph):
+    for guess in hidden_lines(graph, CAMERA):
         away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
         if away.min(1).max() < 0.02 * SIZE:
             found.append({tuple(sorted(p)) for p in away.argmin(1).reshape(-1, 2).tolist()})
     assert hidden in found
+
+
+@pytest.mark.parametrize("name", ["box", "L", "stairs"])
+@pytest.mark.parametrize(("seed", "distance"), [(1, 1.5), (2, 2.0), (4, 3.0)])
+def test_in_perspective_hidden_lines_of_a_prism_are_those_of_the_solid(
+    name: str, seed: int, distance: float
+) -> None:
+    seen, graph = seen_graph(OBJECTS[name], seed, distance)
+    guess = hidden_lines(graph, CAMERA)[0]
+    corners = seen.plane * (1.0, -1.0) * SIZE
+    away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
+    assert away.min(1).max() < 0.02 * SIZE
+    found = {tuple(sorted(pair)) for pair in away.argmin(1).reshape(-1, 2).tolist()}
+    hidden = {
+        tuple(sorted(pair))
+        for pair, share in zip(seen.solid.edges.tolist(), seen.hidden, strict=True)
+        if share == 1.0
+    }
+    assert hidden <= found
+
+
+@pytest.mark.parametrize("distance", [None, 2.0])
+@pytest.mark.parametrize("seed", [1, 3, 5])
+def test_a_hole_through_the_visible_face_is_completed(seed: int, distance: float | None) -> None:
+    solid = polyhedron_of(box((3.0, 2.4, 1.6)) - box((1.6, 1.2, 4.0), (0.7, 0.6, -1.0)), "frame")
+    assert solid is not None
+    seen, graph = seen_graph(solid, seed, distance)
+    corners = seen.plane * (1.0, -1.0) * SIZE
+    edges = {tuple(sorted(pair)) for pair in seen.solid.edges.tolist()}
+    complete = []
+    for guess in hidden_lines(graph, CAMERA):
+        away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
+        found = {tuple(sorted(pair)) for pair in away.argmin(1).reshape(-1, 2).tolist()}
+        hidden = {
+            tuple(sorted(p)) for p, s in zip(solid.edges.tolist(), seen.hidden, strict=True) if s
+        }
+        complete.append(away.min(1).max() < SNAPPED * SIZE and hidden <= found <= edges)
+    assert any(complete)
+
+
+def test_a_line_that_ends_where_two_go_straight_on_goes_behind_them() -> None:
+    places = np.array([(0.0, 0.0), (300.0, 4.0), (140.0, 2.0), (160.0, 200.0), (0.0, 210.0)])
+    lines = np.array([(0, 2), (1, 2), (2, 3), (3, 4)])
+    strokes = tuple((k,) for k in range(4))
+    graph = LineGraph(places, lines, np.zeros(4), strokes, (), 1.0, ())
+    made = with_passing_lines(drawing_of(graph))
+    assert sorted(map(tuple, made.lines.tolist())) == [(0, 1), (2, 3), (3, 4)]
+    bent = replace(graph, places=places + np.array([(0, 0), (0, 90), (0, 0), (0, 0), (0, 0)]))
+    assert len(with_passing_lines(drawing_of(bent)).lines) == 4
+
+
+def visible_is_right(seed: int, only_visible: bool) -> bool | None:
+    """Whether the visible lines of a thin angle are found as they were drawn."""
+    solid = fine_part("thin_angle", seed)
+    seen = None if solid is None else view(solid, seed)
+    if seen is None:
+        return None
+    places, lines = visible_lines(seen)
+    strokes = strokes_of(places, lines, Hand(jitter=0.004, wobble=0.002), seed)
+    used = np.unique(np.array(lines))
+    numbers = {int(corner): k for k, corner in enumerate(used)}
+    pairs = [(numbers[a], numbers[b]) for a, b in lines]
+    graph = searched(strokes, only_visible=only_visible).graph
+    return is_right(graph, places[used] * SIZE + 200.0, pairs)
+
+
+def test_thin_sides_stay_two_lines_where_hidden_ones_are_left_out() -> None:
+    every = [[visible_is_right(seed, each) for each in (True, False)] for seed in range(30, 42)]
+    visible, whole = np.array([each for each in every if each[0] is not None]).T
+    assert visible.mean() >= 0.6
+    assert visible.sum() >= whole.sum()
 
 
 def test_a_drawing_with_all_lines_has_none_to_guess() -> None:
@@ -84,7 +173,7 @@ def test_a_drawing_with_all_lines_has_none_to_guess() -> None:
     strokes = tuple((k,) for k in range(len(lines)))
     places = seen.plane * (1.0, -1.0) * SIZE
     graph = LineGraph(places, lines, np.zeros(len(lines)), strokes, (), 0.1, ())
-    assert hidden_lines(graph) == ()
+    assert hidden_lines(graph, CAMERA) == ()
 
 
 @pytest.mark.parametrize(
@@ -95,7 +184,7 @@ def test_little_ink_gives_no_guess(lines: list[tuple[int, int]]) -> None:
     pairs = np.array(lines, np.intp).reshape(-1, 2)
     strokes = tuple((k,) for k in range(len(pairs)))
     graph = LineGraph(places, pairs, np.zeros(len(pairs)), strokes, (), 1.0, ())
-    assert hidden_lines(graph) == ()
+    assert hidden_lines(graph, CAMERA) == ()
 
 
 def test_most_prisms_drawn_by_hand_are_guessed() -> None:
@@ -130,7 +219,7 @@ def test_once_more_takes_the_guess_back_first() -> None:
     once = draw_hidden_edges(state, Context())
     assert without_guessed(once.nodes[0]) == state.nodes[0].strokes
     twice = draw_hidden_edges(once, Context())
-    guesses = hidden_lines(graph_of(strokes))
+    guesses = hidden_lines(searched(strokes, only_visible=True).graph, strokes[0].camera)
     assert twice.nodes[0].guess == (1 if len(guesses) > 1 else 0)
     assert len(twice.nodes[0].strokes) == len(strokes) + len(twice.nodes[0].guessed)
 

@@ -13,9 +13,12 @@ from bozzetto.testing import Pen, Shell
 from bozzetto.view import Camera, turn
 from bozzetto.view.standard_views import standard_view
 from bozzetto_polyhedron.commands.answers import mirrored_answer, next_answer
+from bozzetto_polyhedron.commands.bodies import unfolded
 from bozzetto_polyhedron.model.same_view import view_of
-from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.model.state import Body, Measure, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
+from bozzetto_polyhedron.solve.picking import Touched
+from bozzetto_polyhedron.tools.dimension import measured
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from bozzetto_polyhedron.tools.turn_solid import TurnSolid
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
@@ -193,3 +196,35 @@ def test_a_tap_is_one_step_of_the_tool(shell):
     tap = Tap(float(place[0]), float(place[1]), FRONT)
     made = TurnSolid().tap(state, tap, _alone(shell))
     assert not _body(made).placement.is_identity
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.6])
+@pytest.mark.parametrize("name", ["box", "L", "house", "stairs"])
+def test_what_stands_stays_on_the_ground_when_its_height_is_typed(shell, name, factor):
+    state = next_answer(_drawn(shell, name, jitter=2.0, seed=13020), _alone(shell))
+    found = _solved(state)
+    ends = found.base.vertices[found.graph.lines]
+    upright = np.abs(np.diff(ends, axis=1)[:, 0]) > (1e-6, 1e-6, 1.0)
+    number = int(np.flatnonzero((upright == (False, False, True)).all(axis=1))[0])
+    typed = measured(state, Touched(_body(state), found, 0.0, number))
+    length = typed.of_kind(Measure)[0]
+    made = _solved(typed.with_node(replace(length, length=factor * length.length))).body
+    assert made.vertices[:, 2].min() == 0.0
+    assert np.abs(made.vertices[:, :2] - found.body.vertices[:, :2]).max() < 1e-9
+
+
+def test_what_is_next_is_about_the_solid_where_no_part_of_it_is_chosen(shell):
+    """Where the object alone was chosen, a person was told to draw every edge of a solid."""
+    state = next_answer(_drawn(shell, "box", jitter=1.0, seed=13021), _alone(shell))
+    said = DrawLines().next_step(state)
+    assert "Turn the view" in said.sentence
+    assert DrawLines().next_step(replace(state, selected="")) == said
+
+
+def test_what_is_next_tells_where_the_net_is(shell):
+    """It lies beside the solid, often out of sight."""
+    state = next_answer(_drawn(shell, "box", jitter=1.0, seed=13022), _alone(shell))
+    laid = unfolded(state, _alone(shell))
+    for tool in (DrawLines(), TurnSolid()):
+        assert "net lies beside it: Home" in tool.next_step(laid).sentence
+        assert "net" not in tool.next_step(unfolded(laid, _alone(shell))).sentence

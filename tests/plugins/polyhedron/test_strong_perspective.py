@@ -11,6 +11,7 @@ from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
 from bozzetto_polyhedron.reconstruction.perspective import OTHERWISE, ParallelView, parallel_view
 from tests.plugins.polyhedron.objects import (
+    CAMERA,
     graph_of,
     in_eye_frame,
     is_right,
@@ -42,6 +43,19 @@ def test_axes_of_half_of_the_lines_do_not_bend_the_drawing(seed: int, distance: 
     found = parallel_view(drawing, camera)
     assert found.perspective == 0.0
     assert np.array_equal(found.drawing.points, drawing.points)
+
+
+@pytest.mark.parametrize(("seed", "distance"), [(34_502, 1.2), (34_503, 2.0), (34_504, 2.0)])
+def test_loose_parts_lie_in_faces_where_nothing_but_the_lines_tells_the_perspective(
+    seed: int, distance: float
+) -> None:
+    seen = view(made(seed, ("looped",)), seed, distance)
+    assert seen is not None
+    graph, _ = graph_of(seen, 0.01, seed, 0.1)
+    first = answers_of(graph, CAMERA)[0]
+    faces = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
+    assert faces == seen.solid.face_sets()
+    assert is_right(seen, in_eye_frame(first.vertices, CAMERA), 0.01)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
-from bozzetto_product.model.rough_shapes import FollowedShape
+from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.meetings import spline_of, splines_of
@@ -93,6 +93,9 @@ def test_who_draws_on_another_object_is_told_how_surfaces_within_it_are_seen(she
     followed = shell.state.with_node(FollowedShape("f1", "Drawn on", source="m1"))
     assert "Hide" in draw.next_step(followed).sentence
     assert "Hide" not in own
+    (rough,) = shell.state.of_kind(RoughShape)
+    only_drawn_on = shell.state.without_nodes(rough.id)  # on an object that it does not follow
+    assert "within what they were drawn on" in draw.next_step(only_drawn_on).sentence
 
 
 def test_ends_that_nearly_meet_are_offered_and_joined(shell: Shell) -> None:
@@ -169,6 +172,40 @@ def test_a_curve_over_an_edge_is_cut_there_and_lies_on_both_faces(tmp_path: Path
     top, front = splines_of(model.state).values()
     assert np.abs(top.sampled(60)[:, 2] - TOP).max() <= 0.5
     assert np.abs(front.sampled(60)[:, 1] + 40.0).max() <= 0.5
+
+
+@pytest.mark.parametrize("command", ["split-creases", "straighten", "planar", "in-plane"])
+def test_what_was_guessed_of_a_curve_is_not_said_once_it_is_laid_anew(
+    tmp_path: Path, command: str
+) -> None:
+    down = np.vstack((straight((0, 10, TOP), (0, -40, TOP)), straight((0, -40, TOP), (9, -40, 20))))
+    drawing = {"tool": "draw", "strokes": [4]}
+    _, before = built(tmp_path, [drawing], [stroke(down)])
+    (curve,) = before.state.of_kind(Curve)
+    assert "over an edge" in curve.told[0]
+    _, after = built(tmp_path, [drawing, {"command": command}], [stroke(down)])
+    assert all(curve.told == () for curve in after.state.of_kind(Curve))
+    assert after.state.selected == before.state.selected
+
+
+@pytest.mark.parametrize("command", ["offset", "fillet"])
+def test_what_was_guessed_of_a_curve_is_not_said_of_another_made_of_it(
+    tmp_path: Path, command: str
+) -> None:
+    down = np.vstack((straight((0, 10, TOP), (0, -40, TOP)), straight((0, -40, TOP), (0, -40, 20))))
+    side = straight((0, 10, TOP), (40, 10, TOP))
+    steps = [
+        {"tool": "draw", "strokes": [4]},
+        {"tool": "draw", "strokes": [5]},
+        {"select": "Curve 1"},
+        {"set": {"rounding": 1.0, "spacing": 1.0}},
+        {"command": command},
+    ]
+    _, model = built(tmp_path, steps, [stroke(down), stroke(side)])
+    known = {curve.name: curve.told for curve in model.state.of_kind(Curve)}
+    assert sorted(known) == ["Curve 1", "Curve 2", "Curve 3"]
+    assert "over an edge" in known["Curve 1"][0]
+    assert known["Curve 3"] == ()
 
 
 def test_make_planar_takes_the_plane_that_is_set(tmp_path: Path) -> None:

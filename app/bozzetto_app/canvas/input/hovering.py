@@ -56,8 +56,9 @@ class Hovering:
     # -- under the pen --
 
     def scene_or_view_changed(self) -> None:
-        """Forget the positions of handles: they may differ now."""
+        """Forget the positions of handles, and the lit one: they may differ now."""
         self._targets = None
+        self._overlay.set_hot_handle(None)
 
     def handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
         """Return the handle at a place of the canvas, with where it is; None if there is none."""

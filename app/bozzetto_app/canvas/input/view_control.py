@@ -25,6 +25,9 @@ ZOOM_PER_PIXEL: Final = 0.01
 ZOOM_PER_NOTCH: Final = 1.2
 """Enlargement for one notch of the wheel."""
 
+LINE_REACH: Final = 12.0
+"""Distance within which a press beside all surfaces means a line, px."""
+
 NOTCH: Final = 120.0
 """Qt's angle of one notch, eighths of a degree."""
 
@@ -97,7 +100,7 @@ class ViewControl:
     def begin(self, x: float, y: float) -> None:
         """Remember the view, and the place under a press, canvas pixels."""
         self._camera = self._session.view.camera
-        hit = self._surface_under(x, y)
+        hit = self._seen_under(x, y)
         self._grip = self._on_sheet(x, y) if hit is None else hit
         self._pivot = self._middle() if hit is None else hit
 
@@ -128,7 +131,7 @@ class ViewControl:
         """Follow the fingers; where their number differs, start again from there."""
         if self._fingers is None or self._fingers.count != len(places):
             (x, y), _ = middle_and_spread(places)
-            hit = self._surface_under(x, y)
+            hit = self._seen_under(x, y)
             beside = self._middle() if len(places) == 1 else self._on_sheet(x, y)
             self._fingers = Fingers(places, beside if hit is None else hit)
             return
@@ -137,16 +140,19 @@ class ViewControl:
         self._session.view.set_camera(self._fingers.moved(places, camera, eye_fixed=held))
 
     def under(self, x: float, y: float) -> NDArray[np.float64]:
-        """Return the place in the world under a canvas position, mm: on a surface, or the sheet."""
-        hit = self._surface_under(x, y)
+        """Return the place under a canvas position, mm: of what is seen, or else on the sheet."""
+        hit = self._seen_under(x, y)
         return self._on_sheet(x, y) if hit is None else hit
 
-    def _surface_under(self, x: float, y: float) -> NDArray[np.float64] | None:
-        from bozzetto.scene.picking import cast_rays
+    def _seen_under(self, x: float, y: float) -> NDArray[np.float64] | None:
+        """Return the place on the surface, else on the line, under a canvas position, mm."""
+        from bozzetto.scene.picking import cast_rays, place_on_lines
 
-        camera = self._session.view.camera
-        hits = cast_rays(self._session.scene.visible, camera.rays([(x, y)]))
-        return np.asarray(hits.points[0]) if hits.hit[0] else None
+        camera, scene = self._session.view.camera, self._session.scene.visible
+        hits = cast_rays(scene, camera.rays([(x, y)]))
+        if hits.hit[0]:
+            return np.asarray(hits.points[0])
+        return place_on_lines(scene, camera, (x, y), LINE_REACH)
 
     def _on_sheet(self, x: float, y: float) -> NDArray[np.float64]:
         camera = self._session.view.camera

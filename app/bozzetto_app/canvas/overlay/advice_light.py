@@ -180,7 +180,8 @@ class ViewLight(QWidget):
         said = " ".join(self.said.split())
         right = Qt.TextElideMode.ElideRight
         if metrics.elidedText(said, right, most) != said:
-            said = said.partition(". ")[0]
+            first, stop, _ = said.partition(". ")
+            said = first + stop.strip()
         self.words = metrics.elidedText(said, right, most)
         width = around + metrics.horizontalAdvance(self.words)
         centred = free.left() + (free.width() - width) // 2

@@ -20,6 +20,7 @@ from bozzetto_app.widgets.section import Section, hairline
 from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
     from bozzetto.geometry.placement import Placement
     from bozzetto.parameters import Field
     from bozzetto_app.panels.properties.parameter_row import ParameterRow
@@ -170,13 +171,22 @@ class ParametersPanel(PanelScroll):
         self.form.setEnabled(not locked)
         self._place_section.setVisible(model is not None)
         self.place.setEnabled(not locked)
-        self._empty.setText(
-            tr("Parameters", "Draw or choose an object to see its parameters.")
-            if session.selection.id is None
-            else tr("Parameters", "This object has no parameters.")
-        )
+        if not own and not inner:
+            self._empty.setText(self._why_empty(model))
         self._empty.setVisible(not own and not inner)
         self.form.setVisible(bool(own or inner))
+
+    def _why_empty(self, model: Model | None) -> str:
+        """Return what stands in the place of parameters where there are none."""
+        if self._session.selection.id is None:
+            return tr("Parameters", "Draw or choose an object to see its parameters.")
+        if model is None or not self._session.workbench.is_foreign(model):
+            return tr("Parameters", "This object has no parameters.")
+        from bozzetto.workbench.export_document import unusable
+
+        why = unusable(self._session.workbench, model)
+        said = "" if why is None else f"{why.reason}; {why.advice}"
+        return tr("Parameters", "This object is kept as it is: {why}.", why=said)
 
     def _bring_into_sight(self) -> None:
         """Scroll to the form of the chosen part, if its heading is out of sight."""

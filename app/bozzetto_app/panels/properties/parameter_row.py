@@ -105,7 +105,7 @@ class ParameterRow(QWidget):
     def show_value(self, value: Any) -> None:
         """Show the value that the model has."""
         self._show(value)
-        self.reset.setVisible(value != self.field.default)
+        self.reset.setVisible(bool(value != self.field.default))  # a number may be one of numpy
 
     def _said(self, value: Any) -> str:
         if self.field.kind == "switch":

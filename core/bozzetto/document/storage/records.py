@@ -195,7 +195,7 @@ def _opened(stored: StoredModel, states: StateTypes) -> tuple[Model, str | None]
     known = states.state_type(header.modeler)
     if known is None:
         return model, (
-            f"“{header.name}” was made with the plugin {header.modeler!r}, which is not "
+            f"“{header.name}” was made with the modeler {header.modeler!r}, whose plugin is not "
             "installed or switched off. It is kept as it is and cannot be changed."
         )
     state_type, version = known

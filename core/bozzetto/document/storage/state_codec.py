@@ -88,7 +88,7 @@ def check_encodable(state_type: type[Any], state: object, before: object = None)
         an array that can be written to, or a parameter out of range. Names the place.
     """
     if type(state) is not state_type:
-        raise TypeError(f"a {type(state).__name__} where a {state_type.__name__} belongs")
+        raise TypeError(f"{type(state).__name__} where {state_type.__name__} belongs")
     if type(before) is not state_type or not _only_numbers_differ(state, before):
         encode_state(state)
 

@@ -1,23 +1,35 @@
 """USD scenes in several files, put together: sublayers, references, payloads, inherited prims.
 
-Of the rules of OpenUSD ("LIVERPS") those that need no choice: what is said of a prim where it
-stands is stronger than what it inherits, that is stronger than what it refers to, that is stronger
-than payloads, and these than what it specializes. Variants are not chosen.
+By the rules of OpenUSD ("LIVERPS"): what is said of a prim where it stands is stronger than what
+it inherits, that is stronger than what is chosen of its variants, that is stronger than what it
+refers to, that is stronger than payloads, and these than what it specializes. The strongest says
+what is chosen.
 """
 
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Callable, Iterator
-from typing import Any, Final
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Final, NamedTuple
 
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import MAX_DEPTH, at_most
 from bozzetto.exchange.usd.crate import MAGIC, parsed_crate
-from bozzetto.exchange.usd.usda_text import MAX_LETTERS, Asset, ReadPrim, Target, parsed
+from bozzetto.exchange.usd.usda_text import (
+    CHOSEN,
+    MAX_LETTERS,
+    SETS,
+    Asset,
+    ReadPrim,
+    Target,
+    parsed,
+)
 
-ARCS: Final = ("inherits", "references", "payload", "specializes")
-"""Metadata by which a prim takes something from elsewhere, the strongest first."""
+STRONG: Final = ("inherits",)
+WEAK: Final = ("references", "payload", "specializes")
+ARCS: Final = (*STRONG, *WEAK)
+"""Metadata by which a prim takes something from elsewhere, the strongest first: what is chosen of
+its variants stands between the strong and the weak ones."""
 
 MOST_TAKEN: Final = 200_000
 """Prims that are taken from elsewhere: those of a thousand chairs. A few lines
@@ -27,6 +39,17 @@ LAYERS: Final = "subLayers"
 
 REMOTE: Final = ("://", "[")
 """What names of files have that are no names of files: addresses, and files in packages."""
+
+
+_Key = tuple[int, str]
+"""A file, and the path of a prim in it."""
+
+
+class _Arc(NamedTuple):
+    """What a prim takes from elsewhere: a path in a file of the scene, or in another file."""
+
+    layer: ReadPrim
+    named: Target | Asset
 
 
 class Composition:
@@ -42,15 +65,16 @@ class Composition:
     ----------
     missing : int
         How often something was named that could not be taken in.
+    unread : int
+        Sets of choices of which something was not chosen.
     """
 
     def __init__(self, read: Callable[[str, str], bytes]) -> None:
         self._read = read
         self._layers: dict[str, ReadPrim | None] = {}
         self._tables: dict[int, dict[str, ReadPrim]] = {}
-        self._open: list[tuple[int, str]] = []
         self._made = self._letters = 0
-        self.missing = 0
+        self.missing = self.unread = 0
 
     def picture(self, name: str) -> bytes:
         """Return the bytes of a picture by the name that the scene has for it."""
@@ -72,12 +96,12 @@ class Composition:
             If it is damaged or too large; of what it names, only if it becomes too large.
         """
         root = self._layer(data, name)
-        if not any(arc in prim.said for prim in root.walk() for arc in ARCS):
+        if not any(one.variants or any(arc in one.said for arc in ARCS) for one in root.walk()):
             return root
         # What is taken from this file itself is taken as it is, not as it becomes.
         self._layers[posixpath.normpath(name)] = root
         self._tables[id(root)] = {one.path: one for one in self._copied(root, "", "").walk()}
-        root.children = [self._whole(root, one) for one in root.children]
+        root.children = [self._whole(one, frozenset()) for one in root.children]
         return root
 
     def _layer(self, data: bytes, name: str, depth: int = 0) -> ReadPrim:
@@ -86,16 +110,25 @@ class Composition:
         root = parsed_crate(data) if data.startswith(MAGIC) else parsed(data)
         folder = posixpath.dirname(name)
         below = root.said.pop(LAYERS, None)
-        if folder:
-            for prim in root.walk():
+        for prim in everything(root):
+            if folder:
                 for table in (prim.values, prim.said):
                     for key, value in table.items():
                         table[key] = _anchored(value, folder)
+            for arc in ARCS:
+                if arc in prim.said:
+                    prim.said[arc] = [_Arc(root, one) for one in _row(prim.said[arc])
+                                      if isinstance(one, Asset | Target)]  # fmt: skip
         said = root.said
         for other in below if isinstance(below, list) else ():
             weaker = self._named(_anchored(Asset(str(other)), folder), depth + 1)
             if weaker is not None:
-                _merge(root, self._copied(weaker, "", ""))
+                copied = self._copied(weaker, "", "")
+                for prim in everything(copied):
+                    for arc in ARCS:
+                        if arc in prim.said:
+                            prim.said[arc] = [_Arc(root, one.named) for one in prim.said[arc]]
+                _merge(root, copied)
         root.said = said  # of the whole scene it is the first file alone that speaks
         return root
 
@@ -114,37 +147,105 @@ class Composition:
         self.missing += found is None
         return found
 
-    def _whole(self, layer: ReadPrim, prim: ReadPrim) -> ReadPrim:
-        """Return a prim of a layer with what it and all below it take from elsewhere."""
-        prim.children = [self._whole(layer, one) for one in prim.children]
-        for arc in ARCS:
-            if arc in prim.said:
-                for source in self._sources(layer, prim, arc):
-                    _merge(prim, source)
+    def _whole(self, prim: ReadPrim, within: frozenset[_Key]) -> ReadPrim:
+        """Return a prim with what it and all below it take from elsewhere.
+
+        Parameters
+        ----------
+        prim : ReadPrim
+            Changed in place.
+        within : frozenset
+            What all that it is in was taken from: nothing is in itself.
+        """
+        within |= self._expand(prim, {}, within)
+        at_most(len(within), MAX_DEPTH, "scenes in one another")
+        prim.children = [self._whole(one, within) for one in prim.children]
         return prim
 
-    def _sources(self, layer: ReadPrim, prim: ReadPrim, arc: str) -> Iterator[ReadPrim]:
-        """Yield copies of the prims that one names, whole, the strongest first."""
-        value = prim.said.pop(arc)
-        for one in _row(value):
-            if isinstance(one, Asset) and one:
-                other, path = self._named(one), one.prim
-                if other is not None and not path:
-                    path = f"/{other.said.get('defaultPrim', '')}"
-            elif isinstance(one, Target):
-                other, path = layer, str(one)
-            else:
-                continue
-            if other is None:
-                continue
-            found, key = self._table(other).get(path), (id(other), path)
-            if found is None or key in self._open:
-                self.missing += 1
-                continue
-            at_most(len(self._open), MAX_DEPTH, "scenes in one another")
-            self._open.append(key)
-            yield self._whole(other, self._copied(found, path, prim.path))
-            self._open.pop()
+    def _expand(
+        self, prim: ReadPrim, stronger: Mapping[str, str], within: frozenset[_Key]
+    ) -> frozenset[_Key]:
+        """Give a prim what it takes from elsewhere, and what is chosen of its variants.
+
+        What is below it is left as it comes.
+
+        Parameters
+        ----------
+        prim : ReadPrim
+            Changed in place.
+        stronger : mapping of str to str
+            Choices by their sets, of who takes it.
+        within : frozenset
+            What it cannot take.
+
+        Returns
+        -------
+        frozenset
+            What was taken.
+        """
+        taken = self._take(prim, STRONG, stronger, within)
+        self._choose(prim, stronger)
+        # A choice may inherit something as well.
+        taken |= self._take(prim, STRONG, stronger, within)
+        return taken | self._take(prim, WEAK, stronger, within)
+
+    def _take(
+        self,
+        prim: ReadPrim,
+        arcs: tuple[str, ...],
+        stronger: Mapping[str, str],
+        within: frozenset[_Key],
+    ) -> frozenset[_Key]:
+        """Give a prim what some of its arcs lead to; see `_expand`."""
+        taken: frozenset[_Key] = frozenset()
+        for arc in arcs:
+            for one in prim.said.pop(arc, ()):
+                source = self._source(one)
+                if source is None:
+                    continue
+                layer, found = source
+                key = id(layer), found.path
+                if key in within:
+                    self.missing += 1
+                    continue
+                at_most(len(within), MAX_DEPTH, "scenes in one another")
+                copied = self._copied(found, found.path, prim.path)
+                chosen = {**_choices(prim), **stronger}
+                taken |= {key} | self._expand(copied, chosen, within | {key})
+                _merge(prim, copied)
+        return taken
+
+    def _choose(self, prim: ReadPrim, stronger: Mapping[str, str]) -> None:
+        """Give a prim what is chosen of its variants, the strongest set first."""
+        while True:
+            names = [str(name) for name in _row(prim.said.get(SETS, []))]
+            name = next((one for one in names if one in prim.variants), "")
+            if not name:
+                break
+            choices = prim.variants.pop(name)
+            choice = {**_choices(prim), **stronger}.get(name, "")
+            chosen = choices.get(choice)
+            self.unread += len(choices) > (chosen is not None)
+            if chosen is not None:
+                _merge(prim, chosen)
+        self.unread += len(prim.variants)  # nobody has named them as sets
+        prim.variants = {}
+
+    def _source(self, arc: _Arc) -> tuple[ReadPrim, ReadPrim] | None:
+        """Return the file and the prim that an arc leads to; None, counted, where there is none."""
+        layer: ReadPrim | None = arc.layer
+        path = str(arc.named)
+        if isinstance(arc.named, Asset):
+            path = arc.named.prim
+            if arc.named:
+                layer = self._named(arc.named)
+            if layer is None or not (arc.named or path):
+                return None
+            path = path or f"/{layer.said.get('defaultPrim', '')}"
+        assert layer is not None
+        found = self._table(layer).get(path)
+        self.missing += found is None
+        return None if found is None else (layer, found)
 
     def _table(self, layer: ReadPrim) -> dict[str, ReadPrim]:
         """Return the prims of a layer by their paths."""
@@ -168,8 +269,9 @@ class Composition:
             {key: _retargeted(value, before, after) for key, value in prim.values.items()},
             dict(prim.remarks),
             [self._copied(one, before, after) for one in prim.children],
-            prim.has_variants,
-        )
+            {name: {choice: self._copied(one, before, after) for choice, one in choices.items()}
+             for name, choices in prim.variants.items()},
+        )  # fmt: skip
 
 
 def _merge(prim: ReadPrim, weaker: ReadPrim) -> None:
@@ -177,22 +279,44 @@ def _merge(prim: ReadPrim, weaker: ReadPrim) -> None:
     if prim.kind == "over":
         prim.kind = weaker.kind
     prim.type = prim.type or weaker.type
-    both: dict[str, Any] = {arc: _row(prim.said[arc]) + _row(weaker.said[arc])
-            for arc in ARCS if arc in prim.said and arc in weaker.said}  # fmt: skip
+    both: dict[str, Any] = {key: _row(prim.said[key]) + _row(weaker.said[key])
+            for key in (*ARCS, SETS) if key in prim.said and key in weaker.said}  # fmt: skip
+    both[CHOSEN] = {**_choices(weaker), **_choices(prim)}
     prim.said = {**weaker.said, **prim.said, **both}
     prim.values = {**weaker.values, **prim.values}
     prim.remarks = {**weaker.remarks, **prim.remarks}
-    prim.has_variants = prim.has_variants or weaker.has_variants
+    for name, choices in weaker.variants.items():
+        mine = prim.variants.setdefault(name, {})
+        for choice, one in choices.items():
+            if choice in mine:
+                _merge(mine[choice], one)
+            else:
+                mine[choice] = one
     own = {one.name: one for one in prim.children}
     children = []
     for other in weaker.children:
-        mine = own.pop(other.name, None)
-        if mine is None:
+        same = own.pop(other.name, None)
+        if same is None:
             children.append(other)
         else:
-            _merge(mine, other)
-            children.append(mine)
+            _merge(same, other)
+            children.append(same)
     prim.children = children + list(own.values())
+
+
+def _choices(prim: ReadPrim) -> dict[str, str]:
+    """Return which choice a prim makes of each set."""
+    said = prim.said.get(CHOSEN)
+    return said if isinstance(said, dict) else {}
+
+
+def everything(prim: ReadPrim) -> Iterator[ReadPrim]:
+    """Yield a prim and all below it, and what is to be chosen there."""
+    waiting = [prim]
+    while waiting:
+        one = waiting.pop()
+        yield one
+        waiting += [*one.children, *one.all_choices()]
 
 
 def _row(value: Any) -> list[Any]:

@@ -8,6 +8,7 @@ hold it or the place where it stands.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_ELEMENTS, MAX_WORDS, at_most
 from bozzetto.exchange.usd.crate_bytes import Cursor, damaged
-from bozzetto.exchange.usd.usda_text import MAX_LETTERS, Asset, ReadPrim, Target
+from bozzetto.exchange.usd.usda_text import CHOSEN, MAX_LETTERS, SETS, Asset, ReadPrim, Target
 
 MAGIC: Final = b"PXR-USDC"
 
@@ -29,7 +30,7 @@ FEWEST_PACKED: Final = 16
 END: Final = 0xFFFFFFFF
 """After the last field of a set."""
 
-ATTRIBUTE, PRIM, ROOT, RELATIONSHIP = 1, 6, 7, 8
+ATTRIBUTE, PRIM, ROOT, RELATIONSHIP, CHOICE = 1, 6, 7, 8, 10
 """Kinds of specs that are read."""
 
 SPECIFIERS: Final = ("def", "over", "class")
@@ -58,7 +59,9 @@ TOKEN_LIST, STRING_LIST, PATH_LIST, REFERENCE_LIST, PAYLOAD_LIST = 32, 33, 34, 3
 PATHS, TOKENS, VARIANTS, SAMPLES, PAYLOAD = 40, 41, 45, 46, 47
 DOUBLES, STRINGS, NOTHING = 48, 50, 51
 
-CALLED: Final = {"inheritPaths": "inherits", "variantSelection": "variants"}
+CALLED: Final = {
+    "inheritPaths": "inherits", "variantSelection": CHOSEN, "variantSetNames": SETS
+}  # fmt: skip
 """Fields that the text calls otherwise."""
 
 LISTS: Final = (0x02, 0x04, 0x20, 0x40, 0x08, 0x10)
@@ -71,14 +74,22 @@ TAKEN: Final = 4
 LISTED: Final = frozenset((TOKEN_LIST, STRING_LIST, PATH_LIST, REFERENCE_LIST, PAYLOAD_LIST))
 
 
+CHOICES: Final = re.compile(r"\{[^}]*+\}")
+"""Choices in a path."""
+
+
 class _Path(NamedTuple):
-    """A path of the file: of a prim, and of a property of it if that is not empty."""
+    """A path of the file: of a prim, and of a property of it if that is not empty.
+
+    What belongs to a choice, ``{set=choice}``, is in that of the prim.
+    """
 
     prim: str
     property: str = ""
 
     def __str__(self) -> str:
-        return f"{self.prim}.{self.property}" if self.property else self.prim
+        prim = CHOICES.sub("", self.prim)
+        return f"{prim}.{self.property}" if self.property else prim
 
 
 def parsed_crate(data: bytes) -> ReadPrim:
@@ -148,7 +159,7 @@ class _Crate:
         ]
 
     def _read_paths(self) -> list[_Path | None]:
-        """Return all paths; those of what is not read, such as variants, are None."""
+        """Return all paths; those of what is not read, such as mappers, are None."""
         cursor = self._at("PATHS")
         total = cursor.count("paths", MAX_WORDS)
         count = cursor.count("paths", MAX_WORDS)
@@ -181,10 +192,12 @@ class _Crate:
     def _below(self, above: _Path | None, word: int) -> _Path | None:
         """Return the path of a prim, or of a property if the number is negative."""
         name = self._token(abs(word))
-        if above is None or above.property or not name or name[0] in "{[.":
+        if above is None or above.property or not name or name[0] in "[.":
             return None
         if word < 0:
             return _Path(above.prim, name)
+        if name[0] == "{":
+            return _Path(f"{above.prim}{name}")
         return _Path(f"{above.prim.rstrip('/')}/{name}")
 
     def _token(self, number: int) -> str:
@@ -216,19 +229,18 @@ class _Crate:
                 continue
             if kind in (ATTRIBUTE, RELATIONSHIP) and path.property:
                 properties.append((path, which))
-            elif kind == PRIM and not path.property and path.prim != "/":
+            elif kind in (PRIM, CHOICE) and not path.property and path.prim != "/":
                 at_most(len(prims), MAX_ELEMENTS, "prims")
                 said = self._said(which)
-                specifier = said.pop("specifier", 0)
-                made = ReadPrim(
+                specifier = said.pop("specifier", 0 if kind == PRIM else 1)
+                plain = str(path)
+                prims[path.prim] = ReadPrim(
                     SPECIFIERS[specifier] if specifier in (0, 1, 2) else "over",
                     str(said.pop("typeName", "")),
-                    path.prim.rpartition("/")[2],
-                    path.prim,
+                    plain.rpartition("/")[2],
+                    plain,
                     said,
-                    has_variants="variantSetNames" in said,
                 )
-                prims[path.prim] = made
                 order[path.prim] = said.pop("primChildren", None)
             elif kind == ROOT:
                 root.said = self._said(which)
@@ -244,8 +256,13 @@ class _Crate:
     def _hang(prims: dict[str, ReadPrim], order: dict[str, Any]) -> None:
         """Put all prims into those that hold them, in the order that these say."""
         for path, prim in prims.items():
-            if path != "/":
-                at_most(path.count("/"), MAX_DEPTH, "levels of prims")
+            at_most(path.count("/") + path.count("{"), MAX_DEPTH, "levels of prims")
+            if path.endswith("}"):
+                holder, _, choice = path[:-1].rpartition("{")
+                name, _, choice = choice.partition("=")
+                if holder in prims and choice:
+                    prims[holder].variants.setdefault(name, {})[choice] = prim
+            elif path != "/":
                 above = prims.get(path.rpartition("/")[0] or "/")
                 if above is not None:
                     above.children.append(prim)

@@ -11,7 +11,7 @@ import zipfile
 from collections import Counter
 from dataclasses import replace
 from functools import partial
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -19,12 +19,20 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.damaged_files import as_format_errors
 from bozzetto.errors import FormatError
 from bozzetto.exchange.color import WHITE, linear_to_srgb
-from bozzetto.exchange.limits import MAX_FACES, MAX_MESH_BYTES, MAX_PARTS, MAX_VERTICES, at_most
+from bozzetto.exchange.limits import (
+    MAX_DEPTH,
+    MAX_FACES,
+    MAX_MESH_BYTES,
+    MAX_PARTS,
+    MAX_VERTICES,
+    at_most,
+)
 from bozzetto.exchange.mesh.polygons import check_places, checked_mesh, is_degenerate, triangulate
 from bozzetto.exchange.mesh.stacked_pictures import Pictures
 from bozzetto.exchange.reading import Reading
 from bozzetto.exchange.usd.analytic_bodies import ANALYTIC, OFF, put_mesh
 from bozzetto.exchange.usd.composition import Composition
+from bozzetto.exchange.usd.read_copies import SCATTER, copies_of
 from bozzetto.exchange.usd.read_looks import ReadLook, ReadLooks
 from bozzetto.exchange.usd.read_places import local_matrix, moves
 from bozzetto.exchange.usd.read_skeletons import RATE, ReadSkeletons
@@ -100,6 +108,21 @@ def _entry(zipped: zipfile.ZipFile, names: frozenset[str], name: str, kind: str)
     return unpacked(zipped, name, MAX_MESH_BYTES, f"a {kind}")
 
 
+class _Placed(NamedTuple):
+    """A mesh that is shown.
+
+    Attributes
+    ----------
+    holders : list of ReadPrim
+        Itself and what it is in, the innermost first.
+    world : array (4, 4)
+        From its axes to our world, as columns.
+    """
+
+    holders: list[ReadPrim]
+    world: Array
+
+
 class _Scene:
     """A scene whose text is understood.
 
@@ -122,7 +145,7 @@ class _Scene:
         rate = root.said.get("timeCodesPerSecond", root.said.get("framesPerSecond"))
         rate = rate if isinstance(rate, float) and 0.0 < rate < 1e6 else RATE
         self._skeletons = ReadSkeletons(self._prims, self._worlds, rate, reading)
-        self._left: Counter[str] = Counter(arcs=composition.missing)
+        self._left: Counter[str] = Counter(arcs=composition.missing, variants=composition.unread)
         tops = [one.name for one in root.children if one.kind == "def"]
         self._top = tops[0] if len(tops) == 1 else root.said.get("defaultPrim")
         self._size = [0, 0]
@@ -130,7 +153,6 @@ class _Scene:
     def shapes(self) -> Shapes:
         """Return all meshes."""
         meshes = self._placed()
-        at_most(len(meshes), MAX_PARTS, "parts")
         with np.errstate(all="ignore"):  # numbers may be extreme; what comes of them is looked at
             parts = [part for one in meshes if (part := self._part(one)) is not None]
         self._tell()
@@ -150,10 +172,10 @@ class _Scene:
         matrix[:3, :3] = 1000.0 * unit * (np.eye(3) if said.get("upAxis") == "Z" else Y_UP)
         return matrix
 
-    def _placed(self) -> list[list[ReadPrim]]:
-        """Return every mesh that is shown, with what it is in, the innermost first."""
-        found: list[list[ReadPrim]] = []
-        frame = self._frame()
+    def _placed(self) -> list[_Placed]:
+        """Return every mesh that is shown, where it is and what it is in."""
+        found: list[_Placed] = []
+        frame, scattered = self._frame(), 0
         waiting: list[tuple[ReadPrim, Array, list[ReadPrim]]] = [
             (one, frame, []) for one in reversed(self._root.children)
         ]
@@ -161,7 +183,6 @@ class _Scene:
             prim, above, holders = waiting.pop()
             if prim.kind != "def" or prim.said.get("active") == 0.0:
                 continue
-            self._left["variants"] += prim.has_variants
             if prim.word("visibility") == "invisible" or prim.word("purpose") in HIDDEN:
                 self._left["hidden"] += 1
                 continue
@@ -176,17 +197,26 @@ class _Scene:
             if prim.type in ANALYTIC:
                 self._left["round"] += put_mesh(prim)
             if prim.type == "Mesh":
-                found.append(inner)
+                found.append(_Placed(inner, world))
+                at_most(len(found), MAX_PARTS, "parts")
             self._left["bodies"] += prim.type == "TetMesh"
             self._left["curves"] += prim.type in CURVED
-            self._left["copies"] += prim.type == "PointInstancer"
             self._left["cameras"] += prim.type == "Camera"
             self._left["lights"] += prim.type.endswith("Light")
             self._left["notes"] += any(
                 name.startswith(NOTE) and not name.startswith(BLENDERS) for name in prim.values
             )
-            if prim.type != "PointInstancer":  # whose children are what it repeats
+            if prim.type != SCATTER:  # whose children are what it repeats
                 waiting += [(one, world, inner) for one in reversed(prim.children)]
+                continue
+            copies = copies_of(prim)
+            scattered += len(copies)
+            at_most(scattered, MAX_PARTS, "copies")
+            at_most(len(inner), MAX_DEPTH, "levels of copies")
+            for copy in reversed(copies):
+                repeated = self._prims.get(copy.path)
+                if repeated is not None:
+                    waiting.append((repeated, world @ copy.matrix, inner))
         return found
 
     def _tell(self) -> None:
@@ -194,8 +224,8 @@ class _Scene:
             ("arcs", "what it takes from elsewhere", "what it takes from {} other places",
              "it is not in this folder or not a scene, or depends on itself; save it flattened: "
              "“usdcat --flatten in.usda -o out.usda”"),
-            ("variants", "what depends on a choice", "what depends on {} choices",
-             "save it flattened with the one that you want"),
+            ("variants", "what is not chosen of a set of variants",
+             "what is not chosen of {} sets of variants", "choose it there and save it again"),
             ("hidden", "a hidden part", "{} hidden parts", "show them and save it again"),
             ("bodies", "a body that is no mesh", "{} bodies that are no meshes",
              "turn them into meshes first"),
@@ -203,8 +233,6 @@ class _Scene:
              f"their triangles are at most {100.0 * OFF:.2g} % of their size off"),
             ("curves", "a set of curves, patches or points",
              "{} sets of curves, patches or points", "they have no faces"),
-            ("copies", "what is scattered as copies", "what is scattered as copies {} times",
-             "make them real first"),
             ("subdivided", "that a part is subdivided", "that {} parts are subdivided",
              "their cages are read; apply the subdivision first"),
             ("faces", "the colours of the faces of a part", "the colours of the faces of {} parts",
@@ -222,8 +250,9 @@ class _Scene:
                 words = what if count == 1 else many.format(count)
                 self._reading.tell(f"Left out of the USD file: {words} ({why}).")
 
-    def _part(self, holders: list[ReadPrim]) -> Surface | None:
+    def _part(self, placed: _Placed) -> Surface | None:
         """Return a mesh as a part; None where it has no faces."""
+        holders = placed.holders
         prim = holders[0]
         points, counts, rings = (
             prim.numbers("points", 3), prim.numbers("faceVertexCounts", 1),
@@ -253,7 +282,7 @@ class _Scene:
         order = np.argsort(kind[owner], kind="stable")
         corner, owner = corner[order], owner[order]
         used = np.bincount(kind[owner], minlength=len(looks))
-        world, skin = self._world(holders, len(points))
+        world, skin = self._world(placed, len(points))
         turn = world[:3, :3]
         with np.errstate(all="ignore"):
             flipped = bool(np.linalg.det(turn) < 0.0) != (prim.word("orientation") == "leftHanded")
@@ -289,8 +318,9 @@ class _Scene:
             names = names[1:]
         return tuple(reversed(names))
 
-    def _world(self, holders: list[ReadPrim], count: int) -> tuple[Array, Skin | None]:
+    def _world(self, placed: _Placed, count: int) -> tuple[Array, Skin | None]:
         """Return the change from the axes of a mesh to our world, and the bones that it follows."""
+        holders = placed.holders
         prim = holders[0]
         skeleton = self._skeletons.followed(holders)
         if skeleton is not None:
@@ -308,7 +338,7 @@ class _Scene:
                 )
             else:
                 return world, skin
-        return self._worlds[prim.path], None
+        return placed.world, None
 
     def _groups(self, holders: list[ReadPrim], count: int) -> tuple[list[ReadLook | None], Index]:
         """Return the looks of a mesh, and which of them each polygon has."""

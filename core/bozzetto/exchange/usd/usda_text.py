@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Final, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 
@@ -49,6 +49,13 @@ PLAIN: Final = str.maketrans("()[],\n\r\t", "        ")
 LIST_WORDS: Final = frozenset(("prepend", "append", "add", "delete", "reorder"))
 LEADING: Final = LIST_WORDS | {"custom", "uniform", "varying", "config"}
 SPECIFIERS: Final = frozenset(("def", "over", "class"))
+
+
+CHOSEN: Final = "variants"
+"""Metadata that says which choice is made of each set."""
+
+SETS: Final = "variantSets"
+"""Metadata that names the sets of choices, the strongest first."""
 
 
 class Target(str):
@@ -96,6 +103,9 @@ class ReadPrim:
     remarks : dict of str to dict
         Metadata of properties that have any.
     children : list of ReadPrim
+    variants : dict of str to dict
+        What it has besides by choices: sets by their names, the strongest first, and in each what
+        belongs to a choice, by the name of this.
     """
 
     kind: str
@@ -106,7 +116,7 @@ class ReadPrim:
     values: dict[str, Any] = field(default_factory=dict)
     remarks: dict[str, dict[str, Any]] = field(default_factory=dict)
     children: list[ReadPrim] = field(default_factory=list)
-    has_variants: bool = False
+    variants: dict[str, dict[str, ReadPrim]] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -144,8 +154,13 @@ class ReadPrim:
         found = value if isinstance(value, list) else [value]
         return [str(one) for one in found if isinstance(one, Target)]
 
+    def all_choices(self) -> Iterator[ReadPrim]:
+        """Yield what belongs to each of its choices."""
+        for choices in self.variants.values():
+            yield from choices.values()
+
     def walk(self) -> Iterator[ReadPrim]:
-        """Yield it and all below it, in the order of the file."""
+        """Yield it and all below it, in the order of the file, without what is to be chosen."""
         waiting = [self]
         while waiting:
             one = waiting.pop()
@@ -183,6 +198,13 @@ def parsed(data: bytes) -> ReadPrim:
     if not text.startswith(BEGIN):
         raise FormatError("This is not a USD file.")
     return _Parser(text).root
+
+
+class _VariantSet(NamedTuple):
+    """A set of choices that is being read."""
+
+    prim: ReadPrim
+    choices: dict[str, ReadPrim]
 
 
 class _Parser:
@@ -227,7 +249,7 @@ class _Parser:
 
     def _prims(self) -> None:
         """Read all prims; those that are open stand on a list, not on the machine's stack."""
-        open_prims = [self.root]
+        open_prims: list[ReadPrim | _VariantSet] = [self.root]
         count = letters = 0
         while self._kind:
             here = open_prims[-1]
@@ -236,10 +258,15 @@ class _Parser:
                     raise self._unclear()
                 open_prims.pop()
                 self._next()
+                continue
+            at_most(len(open_prims), MAX_DEPTH, "levels of prims")
+            if isinstance(here, _VariantSet):
+                count += 1
+                at_most(count, MAX_ELEMENTS, "prims")
+                open_prims.append(self._choice(here))
             elif self._kind == "word" and self._token in SPECIFIERS:
                 count += 1
                 at_most(count, MAX_ELEMENTS, "prims")
-                at_most(len(open_prims), MAX_DEPTH, "levels of prims")
                 kind = self._take("word")
                 type_of = self._take("word") if self._kind == "word" else ""
                 name = _plain(self._take("text"))
@@ -253,15 +280,24 @@ class _Parser:
             elif here is self.root:
                 raise self._unclear()
             elif self._kind == "word" and self._token == "variantSet":
-                here.has_variants = True
                 self._next()
-                self._take("text")
+                name = _plain(self._take("text"))
                 self._take("sign", "=")
-                self._skip_braces()
+                self._take("sign", "{")
+                open_prims.append(_VariantSet(here, here.variants.setdefault(name, {})))
             else:
                 self._property(here)
         if len(open_prims) > 1:
             raise FormatError("It is cut short. Save it again.")
+
+    def _choice(self, to: _VariantSet) -> ReadPrim:
+        """Read the beginning of what belongs to a choice."""
+        name = _plain(self._take("text"))
+        made = ReadPrim("over", "", to.prim.name, to.prim.path)
+        self._metadata(made.said)
+        self._take("sign", "{")
+        to.choices[name] = made
+        return made
 
     def _property(self, prim: ReadPrim) -> None:
         listed = False
@@ -412,8 +448,21 @@ class _Parser:
                 words.append(self._take("word"))
             if self._is("="):
                 self._next()
-                said[words[-1]] = self._value(0)
+                said[words[-1]] = self._chosen() if words[-1] == CHOSEN else self._value(0)
         self._next()
+
+    def _chosen(self) -> dict[str, str]:
+        """Read which choice is made of each set."""
+        self._take("sign", "{")
+        found = {}
+        while not self._is("}"):
+            self._take("word")
+            name = _plain(self._token) if self._kind == "text" else self._token
+            self._next()
+            self._take("sign", "=")
+            found[name] = _plain(self._take("text"))
+        self._next()
+        return found
 
 
 def _plain(token: str) -> str:

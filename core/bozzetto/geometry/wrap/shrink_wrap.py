@@ -94,7 +94,8 @@ def shrink_wrap(
     curves : sequence of (n, 3) array_like
         Polylines, mm.
     level : int
-        Subdivisions of the icosahedron, within `LEVELS`; a skin has ``10 · 4^level + 2`` vertices.
+        Subdivisions of the icosahedron, within `SHRINK_WRAP_LEVELS`; a skin has
+        ``10 · 4^level + 2`` vertices.
     tightness : float
         0 … 1: how far into concave places the skin is anchored, as a share of half the diagonal
         of the box about the curves. With 0 it only wraps what stands out.

@@ -253,7 +253,10 @@ def sound_report(report: Any) -> dict[str, Any]:
 
 
 def _check_reported(value: Any, levels: int) -> None:
-    """Raise `Unsound` where a report holds a text that no file can hold, or has no end."""
+    """Raise `Unsound` where a report holds what no JSON file can hold, or has no end.
+
+    Numbers and arrays of numpy are written as plain ones.
+    """
     if isinstance(value, str):
         check_words(value, "a text of the report")
     elif isinstance(value, Mapping | list | tuple):
@@ -264,6 +267,9 @@ def _check_reported(value: Any, levels: int) -> None:
             value = value.values()
         for each in value:
             _check_reported(each, levels - 1)
+    elif not (value is None or isinstance(value, bool | int | float | np.generic | np.ndarray)):
+        kind = type(value).__name__
+        raise Unsound(f"{kind} in the report, where numbers, texts, lists and mappings belong")
 
 
 def sound_figures(figures: Any) -> dict[str, Figure]:

@@ -35,7 +35,7 @@ def expect_tuple(value: Any, what: str) -> None:
 def check_finite(values: Any, what: str) -> None:
     """Raise `Unsound` where one of some numbers is not finite."""
     if not np.isfinite(values).all():
-        raise Unsound(f"{what} hold a number that is not finite")
+        raise Unsound(f"a number that is not finite in {what}")
 
 
 def check_number(value: Any, what: str, low: float, high: float) -> None:

@@ -103,7 +103,7 @@ class Guard:
         UserError, Unfinished, Cancelled
             As the function says; also `UserError` if the plugin is switched off.
         PluginFault
-            If the function fails in any other way, or changed an argument.
+            If the function fails in any other way, refuses without a word, or changed an argument.
         """
         plugin = self._plugin_of(modeler_id)
         self.refuse_if_off(plugin)
@@ -115,8 +115,12 @@ class Guard:
         self._inside[here] = (modeler_id, what)
         try:
             answer = function(*arguments)
-        except (UserError, Unfinished, Cancelled, KeyboardInterrupt):
+        except (UserError, Unfinished, Cancelled, KeyboardInterrupt) as problem:
             self._put_back(plugin, what, before)
+            if isinstance(problem, UserError | Unfinished) and not str(problem).strip():
+                kind = type(problem).__name__
+                reason = f"{what} refused without a word ({kind} needs a message)"
+                raise self._fault(plugin, reason, _traceback_of(problem)) from None
             raise
         except PluginFault:  # of a scene that was made inside this call: told and counted there
             before.restore()

@@ -14,6 +14,7 @@ from bozzetto.plugin.guard.shape_validation import sound_shapes
 from bozzetto.plugin.overrides import overrides
 from bozzetto.plugin.part_tree import PartTree
 from bozzetto.plugin.parts import Group, PartsModeler, PartsState
+from bozzetto.plugin.tool import method_for
 
 if TYPE_CHECKING:
     from bozzetto.images.stored_picture import Picture
@@ -125,7 +126,8 @@ class GuardedModeler:
 
     def apply(self, tool: Tool[Any], state: Any, gesture: Gesture, context: Context) -> Any:
         """Return the state after a gesture."""
-        return self._state(f"{tool.id}.apply", tool.apply, state, gesture, context)
+        name = f"{tool.id}.{method_for(gesture)}"
+        return self._state(name, tool.apply, state, gesture, context)
 
     def begin(self, tool: Tool[Any], state: Any, context: Context) -> Preview[Any]:
         """Return the preview of a gesture that begins."""

@@ -10,6 +10,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.plugin.gesture import Tap
+from bozzetto.scene import Scene
 from bozzetto_app.canvas.input.stroke_samples import PressureCurve
 
 LEFT, RIGHT, MIDDLE = (
@@ -228,6 +229,20 @@ def test_hovering_shows_the_ring_and_pressing_takes_it_away(canvas, pen):
     pen.move(210, 200)
     pen.leaves()
     assert canvas.overlay._ring is None
+
+
+def test_no_light_stays_where_a_handle_was(session, canvas, pen, box_scene):
+    """After a quick drag a ring stood at the place from which the handle had gone."""
+    session.scene.show(box_scene)
+    session.toolbox.tool = "edit"
+    ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
+    pen.move(x, y)
+    assert canvas.overlay._hot is not None
+    pen.press(x, y)
+    pen.move(x + 60, y)
+    pen.release(x + 60, y)
+    session.scene.show(Scene())
+    assert canvas.overlay._hot is None
 
 
 def test_a_handle_lights_up_and_is_dragged(session, canvas, pen, box_scene):

@@ -8,8 +8,9 @@ from time import monotonic
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QApplication, QLineEdit
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit
 
+from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.parameters import parameter_fields
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.properties import form
@@ -339,6 +340,7 @@ def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, f
     def choose(part):
         fake_session.trees["m1"] = fake_session.trees["m1"].chosen(part)
         fake_session.selection.changed.emit()
+        form_of(with_parts)
         qtbot.wait(20)
 
     def seen_at():
@@ -346,6 +348,7 @@ def test_the_form_of_a_part_that_is_chosen_comes_into_sight(qtbot, with_parts, f
 
     ids = [part.id for part in fake_session.trees["m1"].parts]
     with_parts.resize(264, 300)
+    form_of(with_parts)
     qtbot.wait(20)
     bar = with_parts.verticalScrollBar()
     for away in (bar.maximum(), 0):
@@ -470,3 +473,21 @@ def test_a_parameter_is_brought_under_the_keyboard_though_its_form_is_not_there_
     panel.focus_parameter("length")
     assert panel.is_ready
     assert row(panel, "length").isVisible()
+
+
+def words(panel):
+    """All that is said in the panel now."""
+    return " ".join(each.text() for each in panel.findChildren(QLabel) if not each.isHidden())
+
+
+def test_an_object_whose_plugin_is_absent_says_so(qtbot, make_session):
+    session = make_session()
+    shown = ParametersPanel(session)
+    qtbot.addWidget(shown)
+    foreign = Model(new_id(), "Vase", "nobody.knows", OpaqueState(1, b"{}", (), ()))
+    session.drawing.commit("Open", session.drawing.document.with_model(foreign))
+    assert "Draw or choose" in words(shown)
+    session.selection.select(foreign.id)
+    said = words(shown)
+    assert "its plugin is not installed" in said
+    assert "nobody.knows" in said

@@ -97,7 +97,7 @@ def test_failures_become_faults(drawn, faulty, call, failure):
         CALLS[call](drawn)
     check()
     assert caught.value.plugin == "faulty.plugin"
-    assert call in caught.value.what
+    assert {"apply": "draw.draw"}.get(call, call) in caught.value.what
     assert "Traceback" in caught.value.details
     assert __file__ in caught.value.details
     assert "\n" not in str(caught.value)
@@ -246,13 +246,29 @@ ENDLESS.append(ENDLESS)
 
 @pytest.mark.parametrize(
     "report",
-    [None, 3, ["a"], "text", {"a": ["\udcff"]}, {"\udcff": 1}, {"a": ENDLESS}],
-    ids=["none", "number", "list", "text", "half a character", "half a key", "endless"],
+    [None, 3, ["a"], "text", {"a": ["\udcff"]}, {"\udcff": 1}, {"a": ENDLESS}, {"a": [object()]}],
+    ids=["none", "number", "list", "text", "half a character", "half a key", "endless", "object"],
 )
 def test_wrong_reports(drawn, faulty, report):
     faulty.misdeeds["report"] = lambda *_: report
     with pytest.raises(PluginFault, match="cannot be used"):
         CALLS["report"](drawn)
+
+
+def test_numbers_of_numpy_are_reported_as_plain_ones(drawn, faulty):
+    told = {"a": np.float32(0.5), "b": [np.int64(3), None], "c": np.arange(2), "d": np.bool_(True)}
+    faulty.misdeeds["report"] = lambda *_: told
+    assert CALLS["report"](drawn) == {"a": 0.5, "b": [3, None], "c": [0, 1], "d": True}
+
+
+@pytest.mark.parametrize("refusal", [UserError(""), UserError(" \n"), Unfinished("")])
+def test_a_refusal_without_a_word_is_a_fault(drawn, faulty, refusal):
+    def refuse(*_):
+        raise refusal
+
+    faulty.misdeeds["apply"] = refuse
+    with pytest.raises(PluginFault, match=r"draw\.draw refused without a word"):
+        drawn.draw(Pen().circle())
 
 
 def test_an_upgrade_that_gives_no_dict(drawn, faulty):

@@ -12,12 +12,14 @@ from bozzetto.geometry.patches.patch import grid
 from bozzetto.plugin import Context, Ink
 from bozzetto_car.body import build as body_module
 from bozzetto_car.body.build import Body, body_at_rest_of, body_of, preview_of
+from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.solver import pipeline as pipeline_module
 from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.network import edge_called, junctions
 from bozzetto_car.tools.trace_edges import TraceEdges
 from bozzetto_car.view.scene import scene_of
+from tests.plugins.car.drawn_cars import drawn
 from tests.plugins.car.marked_car import (
     another,
     apart,
@@ -367,3 +369,30 @@ def test_a_kept_dimension_that_is_dragged_is_stretched_to(monkeypatch: pytest.Mo
         context.setattr(pipeline_module, "solve", None)
         shown = preview_of(replace(start, length=4700.0))
     assert shown.dimensions.length == pytest.approx(4700.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["sedan", "suv", "van"])
+@pytest.mark.parametrize("node", ["C3", "S4"])
+def test_what_was_traced_on_a_sketch_stays_on_it_while_a_mark_is_dragged(
+    name: str, node: str
+) -> None:
+    """The camera moves with the marks; an edge on a stroke is seen where the stroke is."""
+    state = car_from_facts(drawn(bundled(name), 41, hand=1.0).marks_file(), {})
+    sketch = state.sketches[0]
+    (moved, *_) = [mark.node for mark in sketch.marks if mark.node.partition(".")[0] == node]
+    later = with_mark_moved(state, moved, (-5.0, 7.0))
+    carried, exact, still = body_of(later, state), body_of(later), body_of(state)
+    assert carried.network is not exact.network
+    assert symmetric(carried.network)
+    pixels = carried.sketch_cameras[sketch.id].pixels
+    gaps = [
+        np.linalg.norm(
+            pixels(body.network.control_points.reshape(-1, 3))
+            - pixels(exact.network.control_points.reshape(-1, 3)),
+            axis=1,
+        )
+        for body in (carried, still)
+    ]
+    frame, standing = (float(np.sqrt((gap**2).mean())) for gap in gaps)
+    assert frame <= 1.0
+    assert frame < 0.5 * standing
