@@ -178,8 +178,8 @@ def helmet() -> Hand:
     brow, neck = ring_at(head, 176.0), ring_at(head, 126.0)
 
     def brim(turn: float) -> float:
-        share = np.clip(turn / -0.5, 0.0, 1.0)
-        return brow + (neck - brow) * share**1.4
+        share = np.clip(turn / -0.5, 0.0, 1.0) ** 1.2
+        return brow + (neck - brow) * 0.5 * (1.0 - np.cos(np.pi * share))
 
     def along(first: float, last: float) -> Array:
         turns = np.linspace(first, last, 400)

@@ -13,6 +13,7 @@ from bozzetto.plugin import Caution, Figure, Job, remembered
 from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_mesh import radius_ratios
+from bozzetto_product.fill.normals import edge_normals
 from bozzetto_product.hand_over.names import group_name, loop_names, piece_names
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import KINDS, Detail
@@ -25,6 +26,12 @@ MEASURED: Final = 33
 
 MOST_GAPS: Final = 6
 """Gaps that are told one by one."""
+
+KINKED: Final = 5.0
+"""Angle, degrees, at which surfaces meet at the end of a smooth edge, from which on it is told."""
+
+MOST_KINKS: Final = 3
+"""Smooth edges with such an end that are told one by one."""
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "curves": Figure("Curves", "Of the network; mirror images are not counted"),
@@ -265,6 +272,7 @@ def cautions_of(state: ProductState, result: ProductResult) -> tuple[Caution, ..
     told = (
         *_of_chosen(state),
         *_sentences(result),
+        *_of_kinks(result),
         *_of_paper(state, result),
         *_of_walls(state, result),
     )
@@ -325,6 +333,45 @@ def _of_gaps(result: ProductResult) -> Iterator[str]:
     more = len(result.gaps) - MOST_GAPS
     if more > 0:
         yield f"{more} more ends of curves nearly meet something. Their gaps are lit on the sheet."
+
+
+def _of_kinks(result: ProductResult) -> Iterator[str]:
+    """Yield smooth edges at an end of which curves lie in no common plane, the worst first."""
+    if not result.is_exact:
+        return
+    names = piece_names(result.net, result.curves)
+    found = sorted(
+        ((angle, names[edge]) for edge, angle in end_kinks(result).items() if angle >= KINKED),
+        key=lambda one: (-one[0], one[1]),
+    )
+    for angle, name in found[:MOST_KINKS]:
+        yield (
+            f"{name} is smooth, but at its end the surfaces beside it meet at {angle:.0f}°: the "
+            "curves there lie in no common plane. Turn their ends with the tool “Modify”, or make "
+            f"{name} a crease."
+        )
+    more = len(found) - MOST_KINKS
+    if more > 0:
+        yield f"{more} more smooth edges end where curves lie in no common plane."
+
+
+def end_kinks(result: ProductResult) -> dict[int, float]:
+    """Return of each smooth edge the angle at which its surfaces are to meet at its ends, degrees.
+
+    Both take the normals of the edge, but for those at its ends, where each keeps to the tangents
+    of its own curves.
+    """
+    normals = edge_normals(result.net, tuple(one.loop for one in result.patches))
+    ends: dict[int, list[Array]] = {}
+    for one, own in zip(result.patches, normals, strict=True):
+        for place, (edge, _) in enumerate(one.loop):
+            field = own.fields[place]
+            if one.fill is not None and field is not None and one.is_smooth_at(place):
+                ends.setdefault(edge, []).append(field.normals[[0, -1]])
+    return {
+        edge: float(np.degrees(np.arccos(np.clip(np.abs((a * b).sum(axis=1)), 0.0, 1.0)).max()))
+        for edge, (a, b) in ((edge, both) for edge, both in ends.items() if len(both) == 2)
+    }
 
 
 def _sentences(result: ProductResult) -> Iterator[str]:

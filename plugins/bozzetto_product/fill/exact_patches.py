@@ -4,8 +4,8 @@ Where half a side is no polynomial of degree five, what it has beyond one, D, is
 patch times a fade that is 1 with slope 0 on the side, and 0 to third order on the spoke. What is
 missing to the tangent plane along the side is added likewise, times a fade of slope 1. Neither is
 felt on a spoke, so the patches stay smooth over the spokes, and a knot of one side is no knot of
-any other patch. What opposite sides have in common does not fade but is carried over the spoke
-(`opposite_sides`).
+any other patch. What opposite sides have in common, or have in a narrow strip, does not fade but is
+carried over the spoke (`opposite_sides`).
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def _faded(
     """
     added: Array | float = 0.0
     if over is not None:
-        rest = refined(knots, (1.0 - over.likeness) * rest, over.knots)
+        rest = refined(knots, (1.0 - over.carried) * rest, over.knots)
         mend = refined(knots, mend, over.knots)
         added = over.added(number, rows)
     fade, slope = rows @ FADE, rows @ FADE_SLOPE

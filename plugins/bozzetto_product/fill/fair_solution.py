@@ -31,6 +31,7 @@ from bozzetto_product.fill.patch_space import (
 from bozzetto_product.fill.quadric import Quadric, quadric_through
 from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
 from bozzetto_product.fill.sweep import Sweep, sweep_of
+from bozzetto_product.fill.thin_strips import is_strip, strip_places
 
 TANGENCY: Final = 1e5
 """Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
@@ -388,7 +389,8 @@ def _nearest(
 def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
-    Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. Where two
+    Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. A narrow
+    strip with waves along its sides goes straight from side to side. Where two
     sides are swept into one another, that sweep takes their place, unless the tangent planes along
     all sides tell a surface of even curvature, such as a sphere, or the sides are no nearer to the
     sweep than it is to the surface of least energy. An evened surface that gains less is believed
@@ -401,6 +403,11 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     on_quadric = _on_quadric(asked, even)
     if on_quadric is not None:
         return on_quadric.solution
+    if is_strip(loop.sides):
+        places = strip_places(space, loop.controls)
+        strip = _Candidate(_nearest(asked, start, places, None, STIFFENING))
+        if not strip.folds:
+            return strip.solution
     best = even if even.score < GAIN * start.score else start
     is_even = best.solution.evened
     if not (is_even and best.score < EVEN and np.isfinite(loop.normals).all()):

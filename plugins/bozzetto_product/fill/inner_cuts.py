@@ -136,7 +136,7 @@ class _Search:
             fill = self._filled(ring)
             if fill is not None:
                 return (fill,)
-        if not most:
+        if not most or self._left <= 0:
             return None
         tried = (_cut(ring, i, j) for i, j in _best_cuts(ring))
         sound = (two for two in tried if two is not None)

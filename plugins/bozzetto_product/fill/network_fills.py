@@ -66,7 +66,7 @@ def fill_net(
     loops : sequence of Loop
         Counter-clockwise seen from outside.
     checkpoint : callable
-        Called before each loop.
+        Called before each loop, and again before one that folds is tried with finer pieces.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def fill_net(
         return _fills(net, loops, normals, pieces, spacing, axis, checkpoint)
 
     made = filled(cut)
-    finer = _cut_finer(net, loops, normals, cut, spacing, made)
+    finer = _cut_finer(net, loops, normals, cut, spacing, made, checkpoint)
     if not finer:
         return made
     finer |= {twins[edge] for edge in finer}
@@ -112,11 +112,13 @@ def _cut_finer(
     cut: Sequence[tuple[EdgePiece, ...]],
     spacing: float,
     fills: Sequence[Fill | None],
+    checkpoint: Callable[[], None],
 ) -> set[int]:
     """Return the edges of loops that have no surface, and have one if pieces are cut in two."""
     found: set[int] = set()
     for loop, own, fill in zip(loops, normals, fills, strict=True):
         if not _is_sound(fill):
+            checkpoint()
             pieces = tuple(halved(net.edges[edge].spline, cut[edge]) for edge, _ in loop)
             if _parted(loop, own, pieces, spacing) is not None:
                 found |= {edge for edge, _ in loop}

@@ -2,7 +2,8 @@
 
 Rails that bend alike over an edge are no polynomials: what each has beyond one, D, fades out on the
 way to the centre of the fill, and the surface sags between the rails. So the share of it that both
-have runs through instead, from one's own to the other's, as in a surface that is swept.
+have runs through instead, from one's own to the other's, as in a surface that is swept. Between
+sides that are close together for the waves of D, as of a long wall, all of it does.
 """
 
 from __future__ import annotations
@@ -24,9 +25,11 @@ from bozzetto_product.fill.quintic import (
     spline_fit,
     spline_rows,
 )
+from bozzetto_product.fill.thin_strips import is_seen, left_in_middle
 
 ALIKE: Final = 0.5
-"""Likeness of two rests, 0 … 1, up to which nothing is carried: what two hands tremble differs."""
+"""Likeness of two rests, 0 … 1, up to which nothing is carried: what two hands tremble differs. As
+much of a wave is to be left in the middle of the strip."""
 
 SAMPLES: Final = 33
 """Places at which rests are compared."""
@@ -58,7 +61,7 @@ class Carried:
         Of the first side's patch in the way from side to side.
     turns : (2, m, 3) float
         Derivatives across the spoke by which each patch is turned to be smooth over it.
-    likeness : float
+    carried : float
         Share of the rests that is carried.
     """
 
@@ -66,7 +69,7 @@ class Carried:
     rests: Array
     share: float
     turns: Array
-    likeness: float
+    carried: float
 
     def added(self, number: int, rows: Array) -> Array:
         """Return what is added to the patch of a half, (m, k, 3), along and across the spoke.
@@ -99,7 +102,9 @@ def _weight(share: float) -> Array:
 def carried_rests(
     domain: Domain, spoke: int, halves: tuple[HalfSide, HalfSide], rests: tuple[Array, Array]
 ) -> Carried | None:
-    """Return what two halves have in common; None where that is nothing.
+    """Return what runs through from half to half; None where that is nothing.
+
+    It is what both have in common, or what is left of waves in the middle of a narrow strip.
 
     Parameters
     ----------
@@ -119,21 +124,23 @@ def carried_rests(
     whole = float((one**2).sum() + (two**2).sum())
     if whole == 0.0:
         return None
-    likeness = (2.0 * float((one * two).sum()) / whole - ALIKE) / (1.0 - ALIKE)
-    if likeness <= 0.0:
+    alike = 2.0 * float((one * two).sum()) / whole
+    height = float(np.sqrt(max((one**2).sum(axis=1).max(), (two**2).sum(axis=1).max())))
+    if is_seen(height, halves):
+        alike = max(alike, left_in_middle(halves, rests))
+    share = (alike - ALIKE) / (1.0 - ALIKE)
+    if share <= 0.0:
         return None
     knots = _common_knots(halves[0].knots, halves[1].knots)
     if knots is None:
         return None
-    both = likeness * np.stack(
+    both = share * np.stack(
         [refined(half.knots, rest, knots) for half, rest in zip(halves, rests, strict=True)]
     )
-    return _smooth_over(domain, spoke, knots, both, likeness)
+    return _smooth_over(domain, spoke, knots, both, share)
 
 
-def _smooth_over(
-    domain: Domain, spoke: int, knots: Array, rests: Array, likeness: float
-) -> Carried:
+def _smooth_over(domain: Domain, spoke: int, knots: Array, rests: Array, carried: float) -> Carried:
     """Return carried rests with the turns that make both patches one smooth function there.
 
     What is missing is what the condition of `patch_space` leaves over the spoke.
@@ -158,7 +165,7 @@ def _smooth_over(
     turns = np.zeros_like(rests)
     for number, factor in enumerate((first, second)):
         turns[number, 2:-2] = fit @ (-0.5 * missing / factor[:, None])
-    return Carried(knots, rests, share, turns, likeness)
+    return Carried(knots, rests, share, turns, carried)
 
 
 def _common_knots(one: Array, two: Array) -> Array | None:

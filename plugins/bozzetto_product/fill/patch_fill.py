@@ -141,6 +141,8 @@ def _filled(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> PatchFi
     solution = fairest(space_of(domain_of_sides(frame.sides)), frame)
     patches = exact_patches(solution)
     fill = PatchFill(loop, frame.sides, patches, spacing, key, solution)
+    if fill.folded:
+        return fill
     try:
         _ = fill.mesh
     except ValueError as problem:  # the domain of sides of very different lengths crosses itself

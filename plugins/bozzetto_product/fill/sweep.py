@@ -206,31 +206,40 @@ class Sweep:
             Of the sides; see `LoopSides`.
         """
         along, across = self._shares(space)
-        start = _on_side(controls, space.count, self.first, along)
-        end = _on_side(controls, space.count, self.last, 1.0 - along)
+        start = on_side(controls, space.count, self.first, along)
+        end = on_side(controls, space.count, self.last, 1.0 - along)
         fade = (across**2 * (3.0 - 2.0 * across))[:, None]
         moved = self.screw.moved(start, across), self.screw.moved(end, across - 1.0)
         return np.asarray((1.0 - fade) * moved[0] + fade * moved[1])
 
     def _shares(self, space: PatchSpace) -> tuple[Array, Array]:
         """Return where the Gauss points are along the side that moves and in its way, 0 … 1."""
-        u, v = (x.ravel() for x in np.meshgrid(NODES, NODES, indexing="ij"))
         if space.count == 3:
+            u, v = (x.ravel() for x in np.meshgrid(NODES, NODES, indexing="ij"))
             corners = np.vstack((space.domain.corners.T, np.ones(3)))
             places = space.domain.places(u, v).reshape(-1, 2)
             shares = np.linalg.solve(corners, np.vstack((places.T, np.ones(len(places)))))
             start, pole, end = (shares[k % 3] for k in range(self.first, self.first + 3))
             return pole, end / np.maximum(start + end, 1e-12)
-        corner = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
-        after = np.roll(corner, -1, axis=0)
-        middle = 0.5 * (corner + after)
-        quads = np.stack((corner, middle, np.full((4, 2), 0.5), np.roll(middle, 1, axis=0)), axis=1)
-        weights = np.stack(((1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v), axis=1)
-        s, t = np.moveaxis(np.einsum("mc,kcd->kmd", weights, quads).reshape(-1, 2), 1, 0)
+        s, t = square_shares()
         return (s, t) if self.first == 0 else (1.0 - t, s)
 
 
-def _on_side(controls: Array, count: int, side: int, at: Array) -> Array:
+def square_shares() -> tuple[Array, Array]:
+    """Return where the Gauss points of four patches are in the unit square, (4 · 49,) each.
+
+    Side 0 leads along the first coordinate, side 1 along the second, from its end.
+    """
+    u, v = (x.ravel() for x in np.meshgrid(NODES, NODES, indexing="ij"))
+    corner = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
+    middle = 0.5 * (corner + np.roll(corner, -1, axis=0))
+    quads = np.stack((corner, middle, np.full((4, 2), 0.5), np.roll(middle, 1, axis=0)), axis=1)
+    weights = np.stack(((1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v), axis=1)
+    s, t = np.moveaxis(np.einsum("mc,kcd->kmd", weights, quads).reshape(-1, 2), 1, 0)
+    return s, t
+
+
+def on_side(controls: Array, count: int, side: int, at: Array) -> Array:
     """Return places on the polynomials of a side, (n, 3)."""
     ring = controls.reshape(count, 2 * DEGREE, 3)
     points = np.concatenate((ring[side], ring[(side + 1) % count][:1]))

@@ -33,6 +33,10 @@ PLACED: Final = 3e-3
 """Gaps up to which ends that meet exactly are joined to the inside of a curve, as share of the
 diagonal: what is farther from it is a narrow strip that is meant."""
 
+EXACT: Final = 10.0
+"""Tolerance, in that of exact points, up to which ends are known to meet exactly: where points
+tremble they do not tell a narrow strip from their own noise."""
+
 CROSSING: Final = 1e-2
 """Largest distance, as share of the diagonal, of curves that cross."""
 
@@ -66,7 +70,8 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
     state = settled_state(replace(drawn, joints=alone), {})
     if every != alone:
         state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
-    exact = {joint.id for joint in state.joints}
+    told = exactly < EXACT * size
+    exact = {joint.id for joint in state.joints} if told else set()
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
         state = _unless_worse(state, closed)

@@ -161,7 +161,8 @@ def smooth_over_joints(state: ProductState, joints: Iterable[str]) -> ProductSta
     """Return the network with curves that nearly run on into one another doing so.
 
     Two that were drawn as one line in two goes meet at some degrees, and the surfaces beside have a
-    corner there that CAD cuts them at. Both give way, but a curve that stays in a plane.
+    corner there that CAD cuts them at. Both give way, but a curve that stays in a plane. Both ends
+    of one curve are two such: a ring is drawn so, and does not close to the last degree.
 
     Parameters
     ----------
@@ -172,26 +173,41 @@ def smooth_over_joints(state: ProductState, joints: Iterable[str]) -> ProductSta
     """
     for name in joints:
         joint, splines = joint_of(state, name), splines_of(state)
-        if joint.in_plane:
-            continue
         ends = []
         for meet in joint.meetings:
             if meet.curve in splines and is_end(splines, meet) and _has_length(splines[meet.curve]):
                 way = end_direction(splines[meet.curve], meet.at)
-                ends.append((meet.curve, _across(way, state) if meet.mirrored else way))
+                ends.append((meet, _across(way, state) if meet.mirrored else way))
         pairs = [
             (one, other)
             for (one, way), (other, back) in itertools.combinations(ends, 2)
             if float(way @ back) <= -np.cos(np.radians(RUN_ON))
         ]
-        used = [curve for pair in pairs for curve in pair]
+        used = [meet for pair in pairs for meet in pair]
         for one, other in pairs:
-            if one == other or used.count(one) + used.count(other) > 2:
+            if used.count(one) + used.count(other) > 2:
                 continue
-            flat = [each for each in (one, other) if curve_of(state, each).plane is not None]
-            if len(flat) < 2:
-                state = match_tangents(state, name, one, other, lead="".join(flat))
+            if one.curve == other.curve:
+                if not (joint.in_plane and curve_of(state, one.curve).mirrored):
+                    state = _closed_smoothly(state, one.curve)
+                continue
+            pair = one.curve, other.curve
+            flat = [each for each in pair if curve_of(state, each).plane is not None]
+            if len(flat) < 2 and not joint.in_plane:
+                state = match_tangents(state, name, *pair, lead="".join(flat))
     return state
+
+
+def _closed_smoothly(state: ProductState, name: str) -> ProductState:
+    """Return the network with a curve that ends where it begins, and has no corner there.
+
+    Each end gives way by half; a curve that stays in a plane has both directions in it already.
+    """
+    spline = splines_of(state)[name]
+    along = end_direction(spline, 0.0) - end_direction(spline, 1.0)
+    along = along / np.linalg.norm(along)
+    turned = with_end_direction(with_end_direction(spline, 0.0, along), 1.0, -along)
+    return settled_state(state, {name: turned})
 
 
 def _has_length(spline: Spline) -> bool:

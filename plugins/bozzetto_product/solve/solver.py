@@ -172,11 +172,11 @@ def _filled(net: Net, loops: tuple[Loop, ...], job: Job) -> tuple[Fill | None, .
 
 
 def _counting(job: Job, count: int) -> Callable[[], None]:
-    """Return a checkpoint that tells how many surfaces are begun."""
+    """Return a checkpoint that tells how many surfaces are begun; some are begun again."""
     numbers = itertools.count()
 
     def checkpoint() -> None:
-        number = next(numbers)
+        number = min(next(numbers), max(count - 1, 0))
         job.checkpoint(0.1 + 0.9 * number / max(count, 1), f"Surface {number + 1}")
 
     return checkpoint

@@ -6,6 +6,7 @@ import pytest
 from bozzetto.geometry import Curve, Spline
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.fill.quintic import insertion
+from bozzetto_product.fill.thin_strips import left_in_middle
 from bozzetto_product.hand_over.point_fit import spline_through
 from tests.plugins.product.known_surfaces import net_of_splines
 
@@ -131,3 +132,52 @@ def test_more_knots_change_no_curve_however_short_a_span_is():
         assert (more[[0, -1]] == points[[0, -1]]).all()
         one, other = (Curve(5, *each).value(at) for each in ((knots, points), (finer, more)))
         assert np.abs(one - other).max() < 1e-13
+
+
+def wavy(length, waves, height, phase):
+    """Points of a straight rail with waves along it."""
+    at = np.linspace(0.0, 1.0, 61)
+    bend = height * np.sin(2.0 * np.pi * waves * at + phase) * np.sin(np.pi * at) ** 2
+    return np.column_stack((length * at, bend, np.zeros(61)))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_long_wall_follows_both_of_its_rails(seed):
+    """Where rails tremble each in its own way it had dents of their size between them."""
+    random = np.random.default_rng(7000 + seed)
+    rail = wavy(300.0, random.uniform(4.0, 7.0), 1.0, random.uniform(0.0, 6.0))
+    other = wavy(300.0, random.uniform(4.0, 7.0), 1.0, random.uniform(0.0, 6.0))
+    fill = between(rail, other + np.array((0.0, 0.0, 12.0)))
+    places = fill.mesh.vertices.astype(float)
+    share = places[:, 2] / 12.0
+    low, high = (np.interp(places[:, 0], row[:, 0], row[:, 1]) for row in (rail, other))
+    ruled = (1.0 - share) * low + share * high
+    assert np.abs(places[:, 1] - ruled).max() < 0.35
+    angle, gap = over_spokes(fill)
+    assert angle < 0.05
+    assert gap < 1e-12 * fill.size
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-9, 0.1, 1.0, 3.0, 10.0, 1e3, 1e9])
+def test_what_is_left_of_waves_in_the_middle_of_a_strip(width):
+    """All between sides that touch, less the wider it is, and that of the closed form."""
+
+    class Half:
+        def __init__(self, off):
+            self.knots, self.off = np.array([0.0] * 6 + [0.5] + [1.0] * 6), off
+
+        def value(self, at, order=0):
+            return (
+                np.outer(at, (9.0, 0.0, 0.0)) + self.off
+                if order == 0
+                else np.tile((9.0, 0.0, 0.0), (len(at), 1))
+            )
+
+    rest = np.random.default_rng(1).normal(size=(7, 3))
+    found, wider = (
+        left_in_middle((Half(np.zeros(3)), Half(np.array((0.0, each, 0.0)))), (rest, rest))
+        for each in (width, 1.5 * width)
+    )
+    assert 0.0 <= wider <= found <= 1.0
+    assert (found == 1.0) or width > 0.0
+    assert found < 0.01 or width < 20.0

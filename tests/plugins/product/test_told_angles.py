@@ -118,3 +118,14 @@ def test_angles_in_files_of_triangles_are_those_told(built, tilt):
     for patch in told["patches"]:
         assert patch["g1_vertices_deg"] == edge["angle_vertices_deg"]
         assert patch["g1_deg"] == edge["angle_deg"] >= edge["angle_vertices_deg"]
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.03, 0.3])
+def test_a_smooth_edge_that_ends_in_a_kink_is_told_with_its_angle(built, tilt):
+    told, _ = built(sheet(tilt), "obj")
+    (edge,) = told["edges"]
+    said = [line for line in told["warnings"] if "no common plane" in line]
+    assert len(said) == (edge["angle_deg"] >= 5.0)
+    for line in said:
+        assert line.startswith("middle is smooth")
+        assert f"{edge['angle_deg']:.0f}°" in line

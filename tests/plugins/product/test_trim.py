@@ -387,6 +387,37 @@ def test_a_curve_that_goes_on_where_another_ends_runs_on_without_a_kink(degrees:
     assert _same(trim(mixed, gap=1.0).state, done)
 
 
+def _kinked_ring(degrees: float) -> ProductState:
+    """Most of a circle in one curve that ends where it begins, but for a gap, with a kink there."""
+    turn = np.linspace(0.0, 2.0 * np.pi - 0.01, 15)
+    points = 50.0 * np.column_stack((np.cos(turn), np.sin(turn), np.zeros(15)))
+    spline = Spline.uniform(points)
+    points = np.array(spline.control_points)
+    back, bend = points[1] - points[0], np.radians(degrees)
+    reach = np.linalg.norm(back)
+    points[-2] = points[-1] - reach * np.array((0.0, np.cos(bend), np.sin(bend)))
+    points[1] = points[0] + reach * np.array((0.0, 1.0, 0.0))
+    return _curves(Spline(spline.knots, points))
+
+
+@pytest.mark.parametrize("degrees", [1.0, 5.0, 9.0])
+def test_a_ring_drawn_as_one_curve_has_no_kink_where_it_ends(degrees: float) -> None:
+    state = _kinked_ring(degrees)
+    done = trim(state, gap=2.0).state
+    assert len(done.joints) == 1
+    assert _kink(state, "c0", "c0") == pytest.approx(degrees, abs=0.5)
+    assert _kink(done, "c0", "c0") < 1e-6
+    assert max(largest_move(state, done).values()) < 2.0
+    assert trim(done, gap=2.0).state is done
+
+
+@pytest.mark.parametrize("degrees", [14.0, 60.0])
+def test_a_ring_with_a_corner_keeps_it(degrees: float) -> None:
+    state = _kinked_ring(degrees)
+    done = trim(state, gap=2.0).state
+    assert _kink(done, "c0", "c0") == pytest.approx(_kink(state, "c0", "c0"), abs=1.0)
+
+
 @pytest.mark.parametrize("degrees", [(14.0,), (170.0,), (3.0, -6.0)])
 def test_a_kink_that_is_meant_and_a_fork_stay(degrees: tuple[float, ...]) -> None:
     """Of two curves that both go on where one ends, neither is meant more."""
