@@ -20,7 +20,7 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -155,6 +155,8 @@ class RecoveryStore:
     def crashed_sessions(self) -> list[CrashedSession]:
         """Return the documents that were open in a process that is gone; the latest change first.
 
+        Those of which all is in their files are left out.
+
         Raises
         ------
         UserError
@@ -171,8 +173,8 @@ class RecoveryStore:
                 continue
             except OSError:
                 bases = [0]  # it says so when it is opened
-            if bases:
-                facts = _read_facts(folder)
+            facts = _read_facts(folder)
+            if bases and not _is_in_file(folder, facts, bases):
                 found.append(
                     CrashedSession(
                         folder.name,
@@ -247,7 +249,10 @@ class RecoveryStore:
                 self.keep(session)
 
     def tidy(self) -> None:
-        """Delete what a process that died has half deleted, or had not yet begun to fill."""
+        """Delete what a process that died has half deleted, or had not yet begun to fill.
+
+        So is what holds nothing that is not in the file of its document.
+        """
         with contextlib.suppress(OSError):
             for folder in self.folder.glob(f"{DISCARDED}*"):
                 shutil.rmtree(folder, ignore_errors=True)
@@ -256,11 +261,10 @@ class RecoveryStore:
             for folder in folders:
                 with contextlib.suppress(OSError):
                     age = abs(time.time() - folder.stat().st_mtime)
-                    if (
-                        age > YOUNG_SECONDS
-                        and _is_empty(folder)
-                        and abandoned_holder(folder / LOCK)
-                    ):
+                    is_needless = (age > YOUNG_SECONDS and _is_empty(folder)) or _is_in_file(
+                        folder, _read_facts(folder), _generations(folder)
+                    )
+                    if is_needless and abandoned_holder(folder / LOCK):
                         shutil.rmtree(folder, ignore_errors=True)
             remove_leftovers(folders)
 
@@ -356,6 +360,20 @@ def _generations(folder: Path) -> list[int]:
 def _is_empty(folder: Path) -> bool:
     """Whether a session died before its first base was whole."""
     return not any(re.match(r"(base|journal)-", path.name) for path in folder.iterdir())
+
+
+def _is_in_file(folder: Path, facts: Facts, bases: Sequence[int]) -> bool:
+    """Whether nothing came after a document was saved, and its file is as it was written."""
+    path, stamp = facts.file(), facts.stamp
+    if path is None or stamp is None or not bases or facts.saved_as != bases[-1]:
+        return False
+    try:
+        now = path.stat()
+        journal = JournalReader(folder / f"journal-{bases[-1]}.bin")
+        is_kept = (now.st_size, now.st_mtime_ns) == (stamp.size, stamp.modified)
+        return is_kept and next(iter(journal), None) is None and not journal.is_damaged
+    except (OSError, DocumentError):
+        return False
 
 
 def _complete_to(folder: Path, otherwise: float) -> float:

@@ -34,13 +34,29 @@ DISCARDED: Final = ".discarded-"
 
 
 class Facts(msgspec.Struct):
-    """Facts about the document of a session."""
+    """Facts about the document of a session.
+
+    Attributes
+    ----------
+    name : str
+    path : str or None
+        Where it was saved last, as text.
+    began : float
+        Seconds since 1970.
+    raw_path : bytes, optional
+        The same place where it is no text.
+    stamp : FileStamp, optional
+        Of the file there.
+    saved_as : int
+        Number of the base that holds what the file does; 0 for none.
+    """
 
     name: str
     path: str | None
     began: float
     raw_path: bytes | None = None
     stamp: FileStamp | None = None
+    saved_as: int = 0
 
     def file(self) -> Path | None:
         """Path at which the document was saved last, byte for byte."""
@@ -118,7 +134,8 @@ class RecoverySession:
         with self._guard:
             if self._closed:
                 return
-            self._facts = facts_of(name, path, self._facts.began, stamp)
+            number = self._generation + 1  # of the base that follows
+            self._facts = facts_of(name, path, self._facts.began, stamp, number)
             facts = encode_json(self._facts)
             atomic_write(self.folder / FACTS, lambda file: file.write(facts))
             self._rebase(document)
@@ -191,12 +208,16 @@ def delete(folder: Path, lock: FileLock) -> None:
 
 
 def facts_of(
-    name: str, path: str | os.PathLike[str] | None, began: float, stamp: FileStamp | None
+    name: str,
+    path: str | os.PathLike[str] | None,
+    began: float,
+    stamp: FileStamp | None,
+    saved_as: int = 0,
 ) -> Facts:
     """Return facts as JSON can hold them: file names need not be text on every system."""
     shown = None if path is None else _as_text(os.fspath(path))
     raw = None if path is None or shown == os.fspath(path) else os.fsencode(path)
-    return Facts(_as_text(name), shown, began, raw, stamp)
+    return Facts(_as_text(name), shown, began, raw, stamp, saved_as)
 
 
 def _as_text(name: str) -> str:

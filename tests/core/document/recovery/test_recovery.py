@@ -18,7 +18,7 @@ from bozzetto.document.recovery.file_lock import Locked
 from bozzetto.document.recovery.journal import read_records
 from bozzetto.document.recovery.journal_records import ChangeWriter, Replay
 from bozzetto.document.recovery.recovery import RecoveryStore
-from bozzetto.document.storage.bozz_file import encode_document, open_document
+from bozzetto.document.storage.bozz_file import encode_document, open_document, write_document
 from bozzetto.document.storage.bozz_reader import parse_document
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Strokes
@@ -218,6 +218,87 @@ def test_a_save_starts_afresh(tmp_path):
     (found,) = store.crashed_sessions()
     assert (found.name, found.path) == ("Vase", tmp_path / "vase.bozz")
     assert same_document(store.recover(found, FakeRegistry()).document, changed)
+
+
+@pytest.fixture
+def after_save(tmp_path):
+    """A session whose document was saved, the document and its file; the store is elsewhere."""
+    document, path = rich_document(), tmp_path / "vase.bozz"
+    session = RecoveryStore(tmp_path / "recovery").begin("New drawing", None, Document())
+    session.record(document)
+    written = write_document(document, path, backups=0)
+    session.saved(document, "Vase", path, written.stamp)
+    return session, document, path
+
+
+def test_what_is_in_its_file_is_not_offered_and_goes(tmp_path, after_save):
+    session, document, path = after_save
+    session.record(document)
+    crash(session)
+    store = RecoveryStore(tmp_path / "recovery")
+    assert store.crashed_sessions() == []
+    store.tidy()
+    assert os.listdir(tmp_path / "recovery") == []
+    assert path.exists()
+
+
+def _changed_file(session, document, path):
+    path.write_bytes(path.read_bytes() + b"more")
+
+
+def _touched_file(session, document, path):
+    os.utime(path, ns=(0, 0))
+
+
+def _deleted_file(session, document, path):
+    path.unlink()
+
+
+def _drawn_on(session, document, path):
+    session.record(document.without_model("m3"))
+
+
+def _ink_waits(session, document, path):
+    session.record(document, [stroke(1, 4)])
+
+
+def _drawn_on_until_a_new_base(session, document, path):
+    session.record(document.without_model("m3"))
+    session._rebase(document.without_model("m3"))
+
+
+def _damaged_journal(session, document, path):
+    session.record(document.without_model("m3"))
+    (journal,) = session.folder.glob("journal-*")
+    content = bytearray(journal.read_bytes())
+    content[-1] ^= 0xFF
+    journal.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    "then",
+    [
+        _changed_file,
+        _touched_file,
+        _deleted_file,
+        _drawn_on,
+        _ink_waits,
+        _drawn_on_until_a_new_base,
+        _damaged_journal,
+    ],
+)
+def test_what_may_not_be_in_its_file_is_offered_and_stays(tmp_path, after_save, then):
+    then(*after_save)
+    crash(after_save[0])
+    store = RecoveryStore(tmp_path / "recovery")
+    store.tidy()
+    assert [found.name for found in store.crashed_sessions()] == ["Vase"]
+
+
+def test_a_document_that_is_open_stays_though_it_is_saved(tmp_path, after_save):
+    RecoveryStore(tmp_path / "recovery").tidy()
+    assert after_save[0].folder.is_dir()
+    after_save[0].close()
 
 
 def test_a_long_journal_makes_room_for_a_new_base(tmp_path, monkeypatch):
