@@ -275,6 +275,17 @@ def test_the_current_step_is_said(shown, fake_session):
     assert fake_session.calls.named("notices.tell"), "and that it is shown already"
 
 
+def test_the_current_step_stays_in_sight_when_the_panel_becomes_lower(shown, fake_session, qtbot):
+    steps = tuple(f"Step {number}" for number in range(30))
+    fake_session.drawing.history.entries, fake_session.drawing.history.position = steps, 17
+    panel = shown(HistoryPanel(fake_session))
+    for height in (600, 120, 300, 90):
+        panel.resize(240, height)
+        qtbot.wait(10)
+        place = panel.visualItemRect(panel.item(17))
+        assert 0 <= place.top() < place.bottom() <= panel.viewport().height()
+
+
 def test_history_follows_the_document(shown, fake_session):
     panel = shown(HistoryPanel(fake_session))
     fake_session.drawing.history.entries, fake_session.drawing.history.position = (
