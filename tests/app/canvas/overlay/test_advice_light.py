@@ -41,7 +41,7 @@ def test_it_lies_at_the_top_centre_and_keeps_off_the_cube(canvas, session):
 def test_the_first_sentence_stands_alone_where_there_is_no_room_for_more(canvas, session, extra):
     message = f"Lines run towards each other. Turn {'i' * extra} down: 2.7 times more exact."
     session.advice.say(ViewAdvice("warn", message, TURNED))
-    assert canvas.light.words in (message, "Lines run towards each other")
+    assert canvas.light.words in (message, "Lines run towards each other.")
 
 
 def test_what_a_point_of_a_car_is_called_has_room(canvas, session):
