@@ -156,6 +156,7 @@ def test_tab_goes_down_the_page(qtbot, window, fake_session, name):
     qtbot.addWidget(widget)
     widget.resize(600 if name == "preferences" else 264, 900)
     widget.show()
+    qtbot.waitUntil(lambda: getattr(widget, "is_ready", True))
     places = []
     start = widget
     here = start.nextInFocusChain()

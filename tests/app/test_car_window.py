@@ -321,12 +321,12 @@ def test_the_panel_of_a_car_gives_its_room_back(make_window, settle, qtbot):
     window.welcome.hide()
     window.setAnimated(False)
     QTest.qWait(1)
-    before = window._ends()
+    before = window.docks.ends
     drop(window, picture_of(FIRST), settle)
-    qtbot.waitUntil(lambda: window._ends()[0] < before[0])
+    qtbot.waitUntil(lambda: window.docks.ends[0] < before[0])
     window.session.files.new()
     settle(window.session, window.keeper)
-    qtbot.waitUntil(lambda: window._ends() == pytest.approx(before, abs=3))
+    qtbot.waitUntil(lambda: window.docks.ends == pytest.approx(before, abs=3))
 
 
 def test_a_new_car_begins_without_a_sketch_and_shows_its_templates(window, settle):

@@ -251,12 +251,14 @@ def test_curves_stand_in_the_list_and_the_chosen_one_in_the_form(pair, draw, set
     for part, name, other in (("n1", "Curve 1", "Curve 2"), ("n2", "Curve 2", "Curve 1")):
         session.parts.select(session.selection.id, part)
         settle(session)
-        words = [w.text() for w in pair.parameters._figures.findChildren(QLabel) if w.isVisible()]
+        words = [
+            w.text() for w in pair.docks.parameters._figures.findChildren(QLabel) if w.isVisible()
+        ]
         assert name in words
         assert other not in words
         assert "Read as" in words
-    page = pair.parameters.widget()
-    assert page.width() <= pair.parameters.viewport().width(), "nothing is cut off"
+    page = pair.docks.parameters.widget()
+    assert page.width() <= pair.docks.parameters.viewport().width(), "nothing is cut off"
     lines = len(shown(pair, "curves"))
     session.parts.set_visible(session.selection.id, "n1", False)
     settle(session)

@@ -161,20 +161,21 @@ class Docks(QObject):
         objects, panel, history = LEAST_HEIGHTS
         asked = max(panel, self.plugin_panel.sizeHint().height())
         if self._plugin_dock.isVisible() and self._plugin_dock.height() < asked:
-            before = self._ends()
+            before = self.ends
             objects = max(objects, self._height() - asked - history)
             self._resize((objects, asked, history))
-            QTimer.singleShot(0, self, lambda: setattr(self, "_room", (before, self._ends())))
+            QTimer.singleShot(0, self, lambda: setattr(self, "_room", (before, self.ends)))
 
     def give_room_back(self) -> None:
         """Take back what a plugin's panel was given, unless a border was moved since."""
         room, self._room = self._room, None
-        if room is not None and room[1] == self._ends():
+        if room is not None and room[1] == self.ends:
             objects, history = room[0]
             self._resize((objects, max(1, self._height() - objects - history), history))
 
-    def _ends(self) -> tuple[int, int]:
-        """Return the heights of the objects and of the history; what is between has the rest."""
+    @property
+    def ends(self) -> tuple[int, int]:
+        """Heights of the objects and of the history, pixels; what is between has the rest."""
         return self._objects_dock.height(), self._history_dock.height()
 
     def _height(self) -> int:

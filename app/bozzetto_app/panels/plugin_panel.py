@@ -155,6 +155,11 @@ class PluginPanel(QWidget):
         return self._made is not None
 
     @property
+    def is_ready(self) -> bool:
+        """Whether the widget of the selected object is there, if it has one; it is made soon."""
+        return not self._soon.isActive()
+
+    @property
     def comes_first(self) -> bool:
         """Whether the widget is to be seen at once; see `bozzetto.plugin.hooks.bozzetto_panel`."""
         return self._made is not None and not self._made.property("behind")

@@ -175,8 +175,13 @@ class Tool(Generic[State]):
         Unfinished, UserError
             As that method says.
         """
-        method: Callable[[State, Any, Context], State] = getattr(self, method_for(gesture))
-        return method(state, gesture, context)
+        methods: dict[str, Callable[[State, Any, Context], State]] = {
+            "tap": self.tap,
+            "drag": self.drag,
+            "erase": self.erase,
+            "draw": self.draw,
+        }
+        return methods[method_for(gesture)](state, gesture, context)
 
     # -- time --
 

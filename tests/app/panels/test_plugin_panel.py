@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 from dataclasses import replace
+from time import monotonic
 
 import pytest
 from PySide6.QtTest import QTest
@@ -14,7 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import MOST_FAULTS
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels import plugin_panel
-from bozzetto_app.panels.plugin_panel import AFTER_FORM, PluginPanel
+from bozzetto_app.panels.plugin_panel import PluginPanel
 from bozzetto_app.session.session import Session
 from bozzetto_app.session.window_faults import watch_window_faults
 
@@ -102,7 +103,7 @@ def session(qtbot, plugin):
 
 @pytest.fixture
 def panel(qtbot, session):
-    made = PluginPanel(session)
+    session.shown = made = PluginPanel(session)
     qtbot.addWidget(made)
     return made
 
@@ -118,7 +119,9 @@ def draw(session, modeler="paneled.modeler"):
 def choose(session, model_id):
     """Select an object, and leave the panel time for its widget."""
     session.selection.select(model_id)
-    QTest.qWait(2 * AFTER_FORM)
+    end = monotonic() + 10.0
+    while not session.shown.is_ready and monotonic() < end:
+        QTest.qWait(1)
 
 
 def test_only_its_own_objects_have_it(session, panel):

@@ -117,7 +117,7 @@ class Guard:
             answer = function(*arguments)
         except (UserError, Unfinished, Cancelled, KeyboardInterrupt) as problem:
             self._put_back(plugin, what, before)
-            if isinstance(problem, UserError | Unfinished) and not str(problem).strip():
+            if isinstance(problem, UserError | Unfinished) and not message_of(problem):
                 kind = type(problem).__name__
                 reason = f"{what} refused without a word ({kind} needs a message)"
                 raise self._fault(plugin, reason, _traceback_of(problem)) from None
