@@ -23,10 +23,10 @@ from pathlib import Path
 
 LIST = Path(__file__).with_name("long_cases.txt")
 
-ALL_CASES = 0.4
+ALL_CASES = 0.35
 """Seconds of the cheapest case from which no case of a test is in the default run."""
 
-MORE_CASES = 0.25
+MORE_CASES = 0.2
 """Seconds of all cases together from which only the first is."""
 
 _TIME = re.compile(r"\s*([\d.]+)s (?:call|setup|teardown)\s+(\S.*)$")
