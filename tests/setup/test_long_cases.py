@@ -13,8 +13,8 @@ PRINTED = """
 0.20s setup    tests/a.py::test_cases[one]
 0.20s call     tests/a.py::test_cases[one]
 0.30s call     tests/a.py::test_cases[two [2]]
-0.10s call     tests/a.py::TestKit::test_cheap[one]
-0.10s teardown tests/a.py::TestKit::test_cheap[two]
+0.09s call     tests/a.py::TestKit::test_cheap[one]
+0.09s teardown tests/a.py::TestKit::test_cheap[two]
 """
 
 
@@ -23,7 +23,7 @@ def test_costs_are_those_of_whole_cases():
     assert {name: sorted(seconds) for name, seconds in found.items()} == {
         "tests/a.py::test_heavy": [3.0],
         "tests/a.py::test_cases": [0.3, 0.4],
-        "tests/a.py::TestKit::test_cheap": [0.1, 0.1],
+        "tests/a.py::TestKit::test_cheap": [0.09, 0.09],
     }
 
 
