@@ -86,7 +86,7 @@ def decided(live: LiveGraph, camera: Camera, checkpoint: Checkpoint) -> LiveGrap
     Returns
     -------
     LiveGraph
-        The same one where the sheet leaves no doubt and its lines are those of solids, and where
+        The same lines where the sheet leaves no doubt and its lines are those of solids, and where
         something else looks wrong. Where readings in space leave no doubt, the finding is taken
         out; where they leave faces open, that is a finding. Its certainty is that of what was
         chosen.
