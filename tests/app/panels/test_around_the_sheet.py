@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from msgspec import structs
 from PySide6.QtCore import QPoint, QSize, Qt
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
@@ -239,7 +239,7 @@ def test_many_modelers_leave_the_menus_their_room(shown, fake_session, times):
 
     own = fake_session.toolbox.modelers
     fake_session.toolbox.modelers = tuple(
-        dataclasses.replace(info, id=f"{info.id}{k}") for k in range(times) for info in own
+        structs.replace(info, id=f"{info.id}{k}") for k in range(times) for info in own
     )
     menus = QMenuBar()
     for title in ("File", "Edit", "Object", "View", "Go", "Help"):
