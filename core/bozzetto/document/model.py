@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
-from bozzetto.cached_properties import cached_property
 from bozzetto.chunked import Chunked
 from bozzetto.document.waiting_ink import Waiting
 from bozzetto.errors import UserError
@@ -217,10 +216,6 @@ class Document:
     def _models(self) -> Chunked[Model]:
         return cast("Chunked[Model]", self.models)
 
-    @cached_property
-    def _places(self) -> dict[str, int]:
-        return {model.id: place for place, model in enumerate(self.models)}
-
     def __iter__(self) -> Iterator[Model]:
         return iter(self.models)
 
@@ -235,10 +230,10 @@ class Document:
         UserError
             If there is none of that id.
         """
-        place = self._places.get(model_id)
-        if place is None:
-            raise UserError("That object is no longer in the document. Choose another one.")
-        return place
+        for place, model in enumerate(self.models):
+            if model.id == model_id:
+                return place
+        raise UserError("That object is no longer in the document. Choose another one.")
 
     def model(self, model_id: str) -> Model:
         """Return the model of that id.
@@ -264,7 +259,7 @@ class Document:
         if model.linked:
             model = replace(model, linked=())
         models = self._models
-        known = self._places.get(model.id)
+        known = next((i for i, old in enumerate(models) if old.id == model.id), None)
         if known is not None and at is None:
             return replace(self, models=models.replaced(known, model))
         if known is not None:

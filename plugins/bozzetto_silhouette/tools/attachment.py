@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,9 @@ SUNK = 0.3
 
 MOST_PLACES = 1500
 """Vertices of the part from which the rest is looked for along its line of sight."""
+
+MOST_NAMED = 3
+"""Parts that touch nothing which are named each."""
 
 NOT_FLOATING = "This part touches the others already."
 
@@ -62,13 +66,19 @@ def floating_part(state: SilhouetteState) -> Part | None:
 
 
 def offers_to_attach(state: SilhouetteState, job: Job) -> list[str]:
-    """Return for each part that touches nothing of the rest what pulls it on, a sentence each."""
+    """Return for each part that touches nothing of the rest what pulls it on, a sentence each.
+
+    Of many such parts, as of a handful of beads, the first ones are named and the others counted.
+    """
     found = []
     for part in shown_parts(state):
         job.checkpoint(1.0, part.name)
         if _floating(state, part.id) is not None:
-            found.append(offer_to_attach(part))
-    return found
+            found.append(part)
+    offers = [offer_to_attach(part) for part in found[:MOST_NAMED]]
+    if len(found) > MOST_NAMED:
+        offers.append(f"{len(found) - MOST_NAMED} parts more touch nothing.")
+    return offers
 
 
 def offer_to_attach(part: Part) -> str:
@@ -80,9 +90,26 @@ def _floating(state: SilhouetteState, part_id: str) -> Part | None:
     part = next((part for part in state.parts if part.id == part_id), None)
     if part is None or part.surface == "straight" or part.operation not in ("add", "merge"):
         return None
-    if not is_shown(state, part) or _gap(state, part) is None:
-        return None
-    return part
+    return part if is_shown(state, part) and not _touches(state, part) else None
+
+
+# Asked for every part after every stroke: the rest is united only where something is cut from it.
+@remembered(limit=256, key=lambda state, part: (state.nodes, part.id))
+def _touches(state: SilhouetteState, part: Part) -> bool:
+    """Whether a part touches something of the rest, or nothing can be said of it."""
+    others = state.without_nodes(part.id)
+    try:
+        alone = body_of(part, TOUCHED_CELLS).placed(_outer(state, part))
+        if all(node.operation in ("add", "merge") for node in others.shown(Node)):
+            rest = shown_parts(others)
+            return not rest or any(_meet(alone, each) for each in _nearest(others, alone))
+        whole = assembly_of(without_blends(others), TOUCHED_CELLS)
+        if whole is None or _overlap(alone, whole):
+            return True
+        touch = shape_seen(others)
+    except UserError:
+        return True
+    return touch is None or _touch(alone, touch.body)
 
 
 @remembered(limit=16, key=lambda state, part: (state.nodes, part.id))
@@ -90,22 +117,16 @@ def _gap(state: SilhouetteState, part: Part) -> Gap | None:
     """Find the way along the part's line of sight, else the shortest one; None if it touches."""
     from scipy.spatial import cKDTree
 
-    others = state.without_nodes(part.id)
+    if _touches(state, part):
+        return None
     try:
         alone = body_of(part, TOUCHED_CELLS).placed(_outer(state, part))
-        if _meets_a_part(others, alone):
-            return None
-        whole = assembly_of(without_blends(others), TOUCHED_CELLS)
-        if whole is None or _overlap(alone, whole):
-            return None
-        touch = shape_seen(others)
+        touch = shape_seen(state.without_nodes(part.id))
     except UserError:
         return None
     if touch is None:
         return None
     rest = touch.body
-    if rest.manifold.min_gap(alone.manifold, 0.5 * alone.step) <= 0.0:
-        return None
     places = alone.vertices[:: len(alone.vertices) // MOST_PLACES + 1]
     sight = carried(state, part).directions(part.sheet.normal)[0]
     sight = sight / np.linalg.norm(sight)
@@ -123,24 +144,28 @@ def _gap(state: SilhouetteState, part: Part) -> Gap | None:
     return Gap(rest.vertices[nearest[k]] - places[k], depth)
 
 
-def _meets_a_part(others: SilhouetteState, alone: Body) -> bool:
-    """Whether a body overlaps one of the others, the nearest drawn first; none is made in vain.
-
-    Nothing is known this way where some are taken away from others.
-    """
-    if any(node.operation not in ("add", "merge") for node in others.shown(Node)):
-        return False
+def _nearest(others: SilhouetteState, alone: Body) -> Iterator[Body]:
+    """Yield the bodies of all other parts, the nearest drawn first; none is made in vain."""
     middle = alone.bounds.mean(axis=0)
+    parts = shown_parts(others)
     gaps = [
         min(float(np.sqrt(((ring - middle) ** 2).sum(axis=1)).min()) for ring in rings)
-        for rings in (drawn_rings(others, part) for part in shown_parts(others))
+        for rings in (drawn_rings(others, part) for part in parts)
     ]
     for k in np.argsort(gaps, kind="stable"):
-        part = shown_parts(others)[k]
-        body = body_of(part, TOUCHED_CELLS).placed(_outer(others, part))
-        if _overlap(alone, Assembly.of(body)):
-            return True
-    return False
+        yield body_of(parts[k], TOUCHED_CELLS).placed(_outer(others, parts[k]))
+
+
+def _meet(alone: Body, other: Body) -> bool:
+    """Whether two bodies overlap or touch."""
+    return _overlap(alone, Assembly.of(other)) or _touch(alone, other)
+
+
+def _touch(alone: Body, other: Body) -> bool:
+    """Whether there is no way between two bodies."""
+    if not meet(alone.bounds, other.bounds):
+        return False
+    return bool(other.manifold.min_gap(alone.manifold, 0.5 * alone.step) <= 0.0)
 
 
 def _overlap(alone: Body, whole: Assembly) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
@@ -111,15 +112,24 @@ class ObjectsPanel(QWidget):
         )
         if wanted != self._entries:
             self._exchange(wanted)
+        models = {model.id: model for model in document}
         for row in range(len(self._entries)):
-            self._show_row(row)
+            self._show_row(row, models)
         empty = not document.models and not document.underlays
         self._empty.setVisible(empty)
         self.list.setVisible(not empty)
         self._mark()
 
-    def _show_row(self, row: int) -> None:
-        """Show a row as what it stands for is now, unless it is shown so or still to be made."""
+    def _show_row(self, row: int, models: Mapping[str, Model]) -> None:
+        """Show a row as what it stands for is now, unless it is shown so or still to be made.
+
+        Parameters
+        ----------
+        row : int
+            Its place in the list.
+        models : mapping of str to Model
+            The objects of the document by their ids.
+        """
         from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
         from bozzetto_app.panels.objects.part_row import PartRow
 
@@ -127,7 +137,7 @@ class ObjectsPanel(QWidget):
         document = self._session.drawing.document
         widget = self.list.itemWidget(item)
         if isinstance(widget, ModelRow):
-            model = document.model(entry.id)
+            model = models[entry.id]
             tree = self._session.parts.of(entry.id)
             is_open = self._is_open(entry.id) if tree is not None and tree.parts else None
             link = link_words(model, document)
@@ -346,9 +356,9 @@ class ObjectsPanel(QWidget):
         put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
 
     def _make_row(self, row: int) -> None:
-        item = self.list.item(row)
+        item, document = self.list.item(row), self._session.drawing.document
         self.list.setItemWidget(item, self._widget(self._entries[row]))
-        self._show_row(row)
+        self._show_row(row, {model.id: model for model in document})
 
     def _current_widget(self) -> QWidget | None:
         """Return what stands in the chosen row."""

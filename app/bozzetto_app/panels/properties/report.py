@@ -27,6 +27,13 @@ MOST_ROWS = 12
 """Entries of a mapping that get rows; of a longer one, such as all nodes of a network, only a
 sum of its numbers is for people."""
 
+MOST_PARTS = 8
+"""Parts that are told of one after the other; of more only one that is chosen is, and all others
+are counted: each takes some milliseconds of the window's time."""
+
+MOST_WARNINGS = 8
+"""Warnings that get a row each; more of them are counted."""
+
 MOST_IN_A_ROW = 4
 """Numbers of a list that are written out; longer ones, and lists of lists, are no figures."""
 
@@ -123,7 +130,7 @@ def rows_of(
     """Return the rows of a report, in its own order, after what it warns of.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
-    single part without a name needs no heading. Mappings and long lists are summed up where
+    single part without a name needs no heading; many are counted. Mappings and long lists are summed up where
     their figure says so; other long ones, and ids, are for other programs.
 
     Parameters
@@ -155,6 +162,9 @@ def rows_of(
             yield from rows_of(value, figures, depth + 1, part)
         elif len(parts) == 1 and not parts[0].get("name"):
             yield from rows_of(parts[0], figures, depth, part)
+        elif len(parts) > MOST_PARTS:
+            tip = tr("Figures", "Choose one of them to see its figures.")
+            yield Row(heading, _number(len(parts)), depth=depth, tip=tip)
         elif parts:
             for number, entry in enumerate(parts, 1):
                 own = entry.get("name")
@@ -163,7 +173,11 @@ def rows_of(
                 rest = {k: v for k, v in entry.items() if k != "name"}
                 yield from rows_of(rest, figures, depth + 1, part)
         elif key == "warnings" and isinstance(value, list):
-            yield from (Row(str(words), "", "bad", depth) for words in value if words)
+            words = [str(words) for words in value if words]
+            more = len(words) - MOST_WARNINGS
+            if more > 0:
+                words[MOST_WARNINGS:] = [tr("Figures", "And {count} more.", count=more)]
+            yield from (Row(each, "", "bad", depth) for each in words)
         elif _is_shown(report, key, said):
             yield _row(report, key, said, depth)
 
