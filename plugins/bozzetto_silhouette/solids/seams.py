@@ -49,6 +49,10 @@ ROUNDS = 6
 STRIDE = 0.4
 """Longest of these steps, as a share of the spacing."""
 
+STILL = 1e-3
+"""Length of a step, as a share of the spacing, after which the next would not be felt: steps
+become as short as their squares."""
+
 FLATTEST = 0.2
 """Gradients are taken for no shorter than this: between sides that face each other they vanish."""
 
@@ -291,7 +295,12 @@ def _all_on_surface(asked: list[_Places]) -> list[tuple[Array, Array]]:
         np.concatenate([some.spacing for some in asked]),
     )  # fmt: skip
     for _ in range(NEWTON):
+        before = patch.vertices
         patch = _projected(surfaces, patch)
+        step = patch.vertices - before
+        patch = replace(patch, free=dot(step, step) > np.square(STILL * patch.spacing))
+        if not patch.free.any():
+            break
     normals = np.zeros((count, 3))
     facing = np.flatnonzero(np.concatenate([some.facing for some in asked]))
     if len(facing):
