@@ -121,7 +121,7 @@ def factorised(matrix: csc_array[Any]) -> Factors:
     columns = np.repeat(np.arange(count), np.diff(matrix.indptr))
     # The matrix is symmetric: its columns are its rows.
     rows = csr_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
-    order = reverse_cuthill_mckee(rows, symmetric_mode=True)
+    order = reverse_cuthill_mckee(rows, symmetric_mode=True).astype(np.intp)
     place = np.empty(count, np.intp)
     place[order] = np.arange(count)
     row, column = place[matrix.indices], place[columns]

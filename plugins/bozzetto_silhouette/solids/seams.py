@@ -271,7 +271,9 @@ def settled(
     ]  # fmt: skip
     asked = [
         _Places(
-            vertices[mine], spacing[mine], facing[mine],
+            vertices[mine],
+            spacing[mine],
+            facing[mine],
             _around(solid, vertices[mine], spacing[mine]),
         )
         for mine in rows

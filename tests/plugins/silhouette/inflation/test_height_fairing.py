@@ -72,7 +72,9 @@ def test_a_tube_with_round_ends_passes_unchanged() -> None:
     square = 0.12**2 * np.maximum(1.0 - np.maximum(np.abs(x) - 3.0, 0.0) ** 2 - y**2, 0.0)
     square[: len(plan.after)] = 0.0
     inner = np.arange(len(square)) >= len(plan.after)
-    assert np.sqrt(faired(plan, square, _depth(plan))[inner]) == pytest.approx(np.sqrt(square[inner]), rel=0.025)
+    assert np.sqrt(faired(plan, square, _depth(plan))[inner]) == pytest.approx(
+        np.sqrt(square[inner]), rel=0.025
+    )
 
 
 def test_ripples_go_and_the_height_stays(disc: Plan) -> None:
