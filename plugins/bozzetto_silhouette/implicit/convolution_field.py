@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.implicit.kernel_sums import THINNEST, Summation, Sums, summation_of
 from bozzetto_silhouette.implicit.weight_fit import fit_weights
@@ -25,7 +25,7 @@ from bozzetto_silhouette.model.state import Kernel
 from bozzetto_silhouette.outline.boundary_sampling import Rim
 from bozzetto_silhouette.outline.medial_axis import Skeleton
 from bozzetto_silhouette.outline.normalized import Frame
-from bozzetto_silhouette.outline.signed_distance import RimDistance
+from bozzetto_silhouette.outline.signed_distance import ClosestPoints, RimDistance
 
 FLOOR = 0.45
 """The surface stands at least this share of a round section high (squared): where the
@@ -75,6 +75,10 @@ class Correction:
         t = np.clip(self.distance / self.radius, -1.0, 1.0)
         return FLOOR * t * (2.0 - np.abs(t))
 
+    def of(self, rows: Index) -> Correction:
+        """Return the correction at some of the points."""
+        return Correction(self.lift[rows], self.distance[rows], self.radius[rows])
+
 
 @dataclass(frozen=True, eq=False)
 class ConvolutionField:
@@ -108,9 +112,12 @@ class ConvolutionField:
     summits: Array = field(repr=False)
     _distance: RimDistance = field(repr=False)
 
-    def correction(self, xy: Array) -> Correction:
-        """Return the correction at points (n, 2) of the frame of the sums."""
-        closest = self._distance(xy)
+    def correction(self, xy: Array, closest: ClosestPoints | None = None) -> Correction:
+        """Return the correction at points (n, 2) of the frame of the sums.
+
+        Their `closest` points of the outline are found where they are not given.
+        """
+        closest = self.closest(xy) if closest is None else closest
         following = self.rim.after[closest.segment]
 
         def between(values: Array) -> Array:
@@ -151,29 +158,39 @@ class ConvolutionField:
         level, rise = self.summation.level(np.maximum(total, _FAINT), radius)
         return level, None if descent is None else rise * descent
 
-    def heights(self, xy: Array) -> Array:
-        """Return the half thickness of the solid at points (n, 2) of the plane; 0 outside."""
-        sums = self.summation.over(xy)
-        corrected = self.correction(xy)
+    def closest(self, xy: Array) -> ClosestPoints:
+        """Return the closest points of the outline to points (n, 2)."""
+        return self._distance(xy)
+
+    def heights(self, xy: Array, closest: ClosestPoints | None = None) -> Array:
+        """Return the half thickness of the solid at points (n, 2) of the plane; 0 outside.
+
+        Their `closest` points of the outline are found where they are not given.
+        """
+        corrected = self.correction(xy, closest)
+        # The guard alone stands that high, so the surface does not lie below.
         square = np.maximum(corrected.floor, 0.0) * corrected.radius**2
         inside = corrected.distance > 0.0
-        active = inside.copy()
-        # The guard alone stands that high, so the surface does not lie below.
-        low, high = square.copy(), np.full(len(xy), np.inf)
+        rows = np.flatnonzero(inside)
+        sums, corrected = self.summation.over(xy).of(rows), corrected.of(rows)
+        low, high = square[rows], np.full(len(rows), np.inf)
         for _ in range(MOST_STEPS):
-            level, fall = self._summed(sums, square, corrected.radius, slope=True)
-            level, fall = _guarded(level, fall, square, corrected)
+            now = square[rows]
+            level, fall = self._summed(sums, now, corrected.radius, slope=True)
+            level, fall = _guarded(level, fall, now, corrected)
             assert fall is not None
-            low = np.where(level >= 0.0, np.maximum(low, square), low)
-            high = np.where(level < 0.0, np.minimum(high, square), high)
-            following = np.where(active, square + level / -fall, square)
+            low = np.where(level >= 0.0, np.maximum(low, now), low)
+            high = np.where(level < 0.0, np.minimum(high, now), high)
+            following = now + level / -fall
             # U is nearly linear in z^2; where it is not, Newton's step may leave the bracket.
-            astray = active & ((following < low) | (following > high))
+            astray = (following < low) | (following > high)
             following[astray] = 0.5 * (low + high)[astray]
-            active &= np.abs(following - square) > 1e-3 * following
-            square = following
-            if not active.any():
+            square[rows] = following
+            on = np.flatnonzero(np.abs(following - now) > 1e-3 * following)
+            if not len(on):
                 break
+            rows, low, high = rows[on], low[on], high[on]
+            sums, corrected = sums.of(on), corrected.of(on)
         return np.where(inside, np.sqrt(square), 0.0)
 
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.implicit import scalis
 from bozzetto_silhouette.implicit.kernels import Compact, InversePower, Kernel
 from bozzetto_silhouette.model.state import Kernel as KernelName
@@ -36,6 +36,10 @@ class Sums(Protocol):
 
     def total(self, weights: Array, height2: Array, *, slope: bool) -> tuple[Array, Array | None]:
         """Return the weighted field (n,), and if asked for its derivative by the squared height."""
+        ...
+
+    def of(self, rows: Index) -> Sums:
+        """Return the sums at some of the points, in ascending order."""
         ...
 
 
@@ -129,6 +133,9 @@ class _ScaleInvariantSums:
             return total, None
         return total, np.bincount(self.pairs.point, change * weight, self.count).astype(float)
 
+    def of(self, rows: Index) -> Sums:
+        return _ScaleInvariantSums(self.segments, self.pairs.of(rows, self.count), len(rows))
+
 
 # -- the papers': the radius sits in a weight that is linear along the segment ---------------------
 
@@ -193,6 +200,9 @@ class _LineSums:
         ]
         total, *change = (np.concatenate(column) for column in zip(*sums, strict=True))
         return total, change[0] if slope else None
+
+    def of(self, rows: Index) -> Sums:
+        return _LineSums(self.lines, self.xy[rows])
 
     def _parts(self) -> list[slice]:
         rows = max(1, _CHUNK // max(len(self.lines.length), 1))

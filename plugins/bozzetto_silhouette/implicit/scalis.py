@@ -114,6 +114,16 @@ class Pairs:
     along: Singles
     off2: Singles
 
+    def of(self, rows: Index, count: int) -> Pairs:
+        """Return the pairs of some of `count` points, numbered by their place in `rows`."""
+        if len(rows) == count:
+            return self
+        number = np.full(count, -1, np.intp)
+        number[rows] = np.arange(len(rows))
+        point = number[self.point]
+        kept = np.flatnonzero(point >= 0)
+        return Pairs(point[kept], self.segment[kept], self.along[kept], self.off2[kept])
+
 
 def pairs_within_reach(xy: Array, segments: Segments, *, tiles: int = 24) -> Pairs:
     """Find all pairs by sorting the points (n, 2) into square tiles first."""

@@ -21,7 +21,6 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.fem import Elements, factorised
-from bozzetto_silhouette.outline.signed_distance import RimDistance
 
 REACH = 0.2
 """Length over which the pressure is averaged, in local radii."""
@@ -47,7 +46,7 @@ def _local_radii(plan: Plan, square: Array, distance: Array) -> Array:
     return known
 
 
-def faired(plan: Plan, square: Array) -> Array:
+def faired(plan: Plan, square: Array, distance: Array) -> Array:
     """Remove the ripples from squared heights.
 
     Parameters
@@ -56,6 +55,8 @@ def faired(plan: Plan, square: Array) -> Array:
         Triangles of the inside of the outline.
     square : (n,) float array
         Squared half thickness at the plan's points, 0 on the rim.
+    distance : (k,) float array
+        Of the inner points from the outline.
 
     Returns
     -------
@@ -66,8 +67,7 @@ def faired(plan: Plan, square: Array) -> Array:
 
     rim = len(plan.after)
     elements = Elements.of(plan)
-    depth = RimDistance(plan.points[:rim], plan.after)(plan.points[rim:]).distance
-    reach = REACH * _local_radii(plan, square, np.maximum(depth, 1e-9))
+    reach = REACH * _local_radii(plan, square, np.maximum(distance, 1e-9))
     # On the rim the pressure is not known (the membrane is held there): it does not count.
     mass = elements.mass.copy()
     mass[:rim] = 0.0

@@ -64,5 +64,7 @@ class ConvolutionHeights:
         field = with_correction(raw, rim)
         square = np.zeros(len(plan.points))
         first = len(plan.after)
-        square[first:] = field.heights(plan.points[first:]) ** 2
-        return faired(plan, square)
+        inner = plan.points[first:]
+        closest = field.closest(inner)
+        square[first:] = field.heights(inner, closest) ** 2
+        return faired(plan, square, closest.distance)

@@ -58,7 +58,7 @@ class VariationalHeights:
         low, high = LOWEST * section, HIGHEST * np.maximum(section, balls)
         square = np.zeros(len(plan.points))
         square[first:] = _zeros(surface, xy, lift, low, high, np.maximum(section, balls))
-        return faired(plan, square)
+        return faired(plan, square, closest.distance)
 
 
 def _zeros(

@@ -13,6 +13,7 @@ from functools import reduce
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import halved
 from bozzetto_silhouette.outline.domain_mesh import Plan
 from bozzetto_silhouette.outline.medial_axis import Skeleton
@@ -148,7 +149,7 @@ def mirrored_plan(plan: Plan, coordinate: int) -> Plan:
     partner = np.concatenate([other, np.flatnonzero(~on_axis)])
 
     a, b = _rim_edges(triangles)
-    if len(np.unique(a)) < len(a) or len(np.unique(b)) < len(b):
+    if max(np.bincount(a).max(initial=0), np.bincount(b).max(initial=0)) > 1:
         return plan  # a rim that meets itself
     if _connection(triangles) != _connection(plan.triangles):
         return plan  # pieces that are one now, or a hole that is closed
@@ -205,7 +206,8 @@ def _without_chords(points: Array, triangles: Index, coordinate: int) -> tuple[A
     count = len(points)
     keys = np.minimum(a, b) * count + np.maximum(a, b)
     outer = np.minimum(rim_a, rim_b) * count + np.maximum(rim_a, rim_b)
-    chord = rim[a] & rim[b] & ~np.isin(keys, outer[~cut])
+    chord = rim[a] & rim[b]
+    chord[chord] = ~np.isin(keys[chord], outer[~cut])
     unique = np.unique(keys[chord])
     label = np.where(chord, count + np.searchsorted(unique, keys), -1).reshape(-1, 3)
     middles = 0.5 * (points[unique // count] + points[unique % count])
@@ -216,28 +218,29 @@ def _rim_edges(triangles: Index) -> tuple[Index, Index]:
     """Return the ends of the edges that belong to one triangle, in its sense."""
     a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     count = int(triangles.max(initial=0)) + 1
-    alone = ~np.isin(a * count + b, b * count + a)
+    against = np.sort(b * count + a)
+    along = a * count + b
+    place = np.minimum(np.searchsorted(against, along), len(against) - 1)
+    alone = against[place] != along
     return a[alone], b[alone]
 
 
 def _connection(triangles: Index) -> tuple[int, int]:
     """Return how many pieces triangles form, and their Euler characteristic."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    used, numbers = np.unique(triangles, return_inverse=True)
-    rows = numbers.reshape(-1, 3)
-    a, b = rows.ravel(), np.roll(rows, -1, axis=1).ravel()
-    edges = np.unique(np.minimum(a, b) * len(used) + np.maximum(a, b))
-    joined = coo_array((np.ones(len(a)), (a, b)), shape=(len(used), len(used)))
-    pieces, _ = connected_components(joined, directed=False)
-    return int(pieces), len(used) - len(edges) + len(rows)
+    count = int(triangles.max(initial=-1)) + 1
+    used = int(np.count_nonzero(np.bincount(triangles.ravel(), minlength=count)))
+    a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    # A point that no triangle uses is a piece of its own.
+    pieces, _ = connected_pieces(a, b, count)
+    edges = np.sort(np.minimum(a, b) * count + np.maximum(a, b))
+    different = len(edges) and 1 + int(np.count_nonzero(np.diff(edges)))
+    return pieces - (count - used), used - different + len(triangles)
 
 
 def _used(points: Array, triangles: Index) -> tuple[Array, Index]:
     """Return the points that triangles use, and the triangles by their new numbers."""
-    kept, numbers = np.unique(triangles, return_inverse=True)
-    return points[kept], numbers.reshape(-1, 3).astype(np.intp)
+    kept = np.bincount(triangles.ravel(), minlength=len(points)) > 0
+    return points[kept], (np.cumsum(kept) - 1)[triangles]
 
 
 def mirrored_skeleton(skeleton: Skeleton, coordinate: int) -> Skeleton:

@@ -7,7 +7,7 @@ other joint turns the bone that it ends, and with it all joints beyond it.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,12 @@ after small edits joints are still the same."""
 
 SMALLEST = 0.005
 """The same as a share of the rig's longest side: at a pointed tip there is no radius."""
+
+
+BONES: Final = ("paper", 5.0), ("accent", 2.0)
+DOTS: Final = ("paper", 12.0), ("accent", 9.0)
+"""Colours and pixels of bones and roots, one over the other: the lighter rim shows them on shapes
+that have about the colour of the accent."""
 
 
 class Posed(NamedTuple):
@@ -166,12 +172,16 @@ def joints_layer(state: SilhouetteState) -> Layer | None:
         Handle(f"{JOINT}{joint}", _triple(places[joint]), tip=rig.names[joint])
         for joint in ends.tolist()
     )
-    dots = Points(roots.astype(np.float32), color="accent", size=9.0, hidden="show")
+    around = roots.astype(np.float32)
+    dots = tuple(Points(around, color=color, size=size, hidden="show") for color, size in DOTS)
     if not handles:
-        return Layer("joints", (dots,))
+        return Layer("joints", dots)
     starts = np.arange(0, len(bones), 2, dtype=np.int32)
-    lines = Lines(bones.astype(np.float32), starts, color="accent", width=2.0, hidden="show")
-    return Layer("joints", (lines, dots, *handles))
+    between = bones.astype(np.float32)
+    lines = tuple(
+        Lines(between, starts, color=color, width=width, hidden="show") for color, width in BONES
+    )
+    return Layer("joints", (*lines, *dots, *handles))
 
 
 def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:

@@ -73,24 +73,60 @@ def _cut(net: Net, pairs: list[Pair]) -> tuple[Index, list[Border]]:
     if not gone.any():
         return np.concatenate([net.rest, net.faces]), []
     count = len(net.vertices)
-    beside = _neighbours(net.faces, count)
+    near: _Near | None = None
     for _ in range(PEELINGS):
-        bordering = ~gone[:, None] & (beside >= 0) & gone[beside]
-        leaving = np.bincount(net.faces[bordering], minlength=count)
-        pinched = (leaving > 1)[net.faces].any(axis=1)
-        ragged: Flags = ~gone & ((bordering.sum(axis=1) >= 2) | pinched)
+        near = near or _Near.of(net.faces, gone, count)
+        rows, faces, inner, beside = near
+        out = gone[rows]
+        bordering = ~out[:, None] & (beside >= 0) & out[beside]
+        leaving = np.bincount(faces[bordering], minlength=count)
+        pinched = (leaving > 1)[faces].any(axis=1)
+        ragged: Flags = ~out & ((bordering.sum(axis=1) >= 2) | pinched)
         if not ragged.any():
             break
-        gone |= ragged
+        gone[rows[ragged]] = True
+        if not inner[faces[ragged]].all():
+            near = None
     else:
-        met = np.unique(net.pair[net.faces[ragged]])
+        met = np.unique(net.pair[faces[ragged]])
         raise Apart({end for k in met[met >= 0].tolist() for end in pairs[k].ends})
     face, corner = np.nonzero(bordering)
-    begin, end = net.faces[face, corner], net.faces[face, (corner + 1) % 3]
-    across = net.faces[beside[face, corner]]
+    begin, end = faces[face, corner], faces[face, (corner + 1) % 3]
+    across = faces[beside[face, corner]]
     lead = across[np.arange(len(across)), net.level[across].argmax(axis=1)]
     borders = _walked(net, pairs, begin, end, net.pair[lead])
     return np.concatenate([net.rest, net.faces[~gone]]), borders
+
+
+class _Near(NamedTuple):
+    """The faces near where a mesh ends.
+
+    Attributes
+    ----------
+    rows : (n,) int array
+        Which of all faces.
+    faces : (n, 3) int array
+    inner : (v,) bool array
+        The vertices of which all faces are among them.
+    beside : (n, 3) int array
+        Which of them is on the other side of each edge; -1 where none is.
+    """
+
+    rows: Index
+    faces: Index
+    inner: Flags
+    beside: Index
+
+    @classmethod
+    def of(cls, faces: Index, gone: Flags, count: int) -> _Near:
+        """Find the faces (f, 3) near those that are gone (f,), of a mesh of `count` vertices."""
+        left, taken = np.zeros((2, count), bool)
+        left[faces[~gone]] = True
+        taken[faces[gone]] = True
+        inner = left & taken
+        inner[faces[inner[faces].any(axis=1)]] = True
+        rows = np.flatnonzero(inner[faces].any(axis=1))
+        return cls(rows, faces[rows], inner, _neighbours(faces[rows], count))
 
 
 def _covered(net: Net, pairs: list[Pair]) -> Flags:

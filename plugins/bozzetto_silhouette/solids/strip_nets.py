@@ -103,10 +103,19 @@ def net_of(bodies: Sequence[Body], pairs: list[Pair]) -> Net:
 
 def mean_edges(vertices: Array, faces: Index) -> Array:
     """Return the mean length (v,) of the edges of faces at vertices; 0 where there are none."""
-    a, b = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-    way = vertices[b] - vertices[a]
-    count = np.maximum(np.bincount(a, minlength=len(vertices)), 1)
-    return np.asarray(np.bincount(a, np.sqrt(dot(way, way)), len(vertices)) / count)
+    corners, lengths = faces.ravel(), _edge_lengths(vertices, faces).ravel()
+    count = np.maximum(np.bincount(corners, minlength=len(vertices)), 1)
+    return np.asarray(np.bincount(corners, lengths, len(vertices)) / count)
+
+
+def _edge_lengths(vertices: Array, faces: Index) -> Array:
+    """Return the lengths (f, 3) of the edges of faces, each from a corner to the next."""
+    square = np.zeros(faces.shape)
+    for column in vertices.T.copy():  # by coordinates: pairs of points take twice as long
+        at = column.take(faces)
+        way = at[:, [1, 2, 0]] - at
+        square += way * way
+    return np.sqrt(square)
 
 
 class _Leads(NamedTuple):
@@ -206,8 +215,7 @@ def _refined(net: Net, pairs: list[Pair], bodies: Sequence[Body]) -> Net:
         low, high = np.minimum(faces, other), np.maximum(faces, other)
         first = net.ahead[low] >= net.ahead[high]
         lead, least = np.where(first, low, high), np.where(first, high, low)
-        way = net.vertices[low] - net.vertices[high]
-        length = np.sqrt((way**2).sum(axis=2))
+        length = _edge_lengths(net.vertices, faces)
         crowded = net.crowded[low] | net.crowded[high]
         target = np.where(crowded, 0.5, 1.0) * COARSEST * net.local[lead]
         target = np.maximum(target, steps[net.pair[lead]])

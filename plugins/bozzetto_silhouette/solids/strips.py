@@ -133,7 +133,8 @@ def _even(net: Net, kept: Index, strips: Strips, solid: Implicit) -> Stitched:
     number = np.where(mine, number, -1)
     between = np.zeros(len(number), bool)
     between[a[(number[a] >= 0) & (number[b] >= 0) & (number[a] != number[b])]] = True
-    vertices, settled_normals = settled(vertices, number, spacing, solid)
+    # What is made even next gets its normals there.
+    vertices, settled_normals = settled(vertices, number, spacing, between, solid)
     mesh = Sewn(vertices, faces, np.arange(len(vertices)), mine, settled_normals)
     mesh = with_even(mesh, np.where(between, -1, number), spacing, solid, EVENINGS)
     normals = np.concatenate([net.normals, np.zeros((new, 3))])[used]

@@ -6,6 +6,7 @@ from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Ink, NextStep, Tool, override
+from bozzetto.scene import Handle
 from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.rigging.posing import joints_layer
 from bozzetto_silhouette.tools.erase import erased
@@ -37,5 +38,5 @@ class ErasingTool(Tool[SilhouetteState]):
         except UserError:
             return NextStep(self.hint)  # the ink is no outline, which the solve has reported
         # Besides the handles there may be roots, which stay where they are.
-        has_joints = layer is not None and len(layer.items) > 1
+        has_joints = layer is not None and any(isinstance(one, Handle) for one in layer.items)
         return NextStep(DRAG_A_JOINT if has_joints else NO_JOINTS)

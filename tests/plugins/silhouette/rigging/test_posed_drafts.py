@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from bozzetto.geometry import Mesh
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Drag, Job
 from bozzetto.plugin.cache import forget_all
-from bozzetto.scene import Shaded, cast_rays
+from bozzetto.scene import DARK, LIGHT, Layer, Lines, Palette, Scene, Shaded, cast_rays
+from bozzetto.scene.renderer import render
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
+from bozzetto.view.navigation import fit
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.modeler import Silhouette
 from bozzetto_silhouette.rigging.armature import armature_of
@@ -128,3 +131,25 @@ def test_nothing_is_left_out_of_what_ink_files_draw_on():
     slid, drawn_on = misses
     assert slid.max() > 1.0  # mm: creases are sharp while a value is dragged
     assert drawn_on.max() < 1e-3
+
+
+@pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
+@pytest.mark.parametrize("role", ["accent", "clay", "ink", "paper"])
+def test_bones_are_seen_on_shapes_of_any_colour(role: str, palette: Palette) -> None:
+    """Across each bone something stands out from the shape behind it."""
+    state = creature(limbs=5)
+    bones = joints_layer(state)
+    mesh = MODELER.solve(state, Job("preview")).shown
+    shape = Layer("shape", (Shaded(Mesh(mesh.vertices, mesh.faces, mesh.normals), color=role),))
+    camera = fit(Camera().with_viewport(900, 700), Scene((shape,)).bounds())
+    drawn, bare = (
+        render(Scene(layers), camera, palette, size=(900, 700)).astype(float)[..., :3]
+        for layers in ((shape, bones), (shape,))
+    )
+    lines = next(item for item in bones.items if isinstance(item, Lines))
+    ends = camera.project(lines.points)[0].reshape(-1, 2, 2)
+    ends = ends[np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > 40.0]
+    assert len(ends) >= 5
+    for x, y in ends.mean(axis=1).astype(int):
+        near = np.s_[y - 4 : y + 5, x - 4 : x + 5]
+        assert np.abs(drawn[near] - bare[near]).max() > 80.0

@@ -12,11 +12,12 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin.cache import forget_all
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.model.state import Operation, SilhouetteState
-from bozzetto_silhouette.solids import boolean, fillet, lump, strip_closing
+from bozzetto_silhouette.solids import boolean, fillet, lump, strip_borders, strip_closing
 from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined, meshed
 from bozzetto_silhouette.solids.evaluate import assembly_of, tree_body
+from bozzetto_silhouette.solids.seams import settled
 from bozzetto_silhouette.solids.strip_rings import Ring, zipped
 from tests.plugins.silhouette import bodies as b
 from tests.plugins.silhouette.solids.figures_creases import sharp_edges
@@ -141,6 +142,43 @@ def test_a_tree_after_a_change_is_the_same_as_from_nothing() -> None:
     assert other is not None
     assert np.array_equal(before.vertices, back.vertices)
     assert b.volume(one) == pytest.approx(b.volume(other), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(71400, 71404))
+def test_what_is_near_a_border_is_known_as_if_all_were_looked_at(seed: int) -> None:
+    """Around a vertex called inner no face is left out, and each face has all its neighbours."""
+    body, random = b.ball(0.0, 50.0, 32), np.random.default_rng(seed)
+    faces, count = body.faces.astype(np.intp), len(body.vertices)
+    middles = body.vertices[faces].mean(axis=1)
+    gone = np.zeros(len(faces), bool)
+    for place in middles[random.integers(len(faces), size=3)]:
+        gone |= np.linalg.norm(middles - place, axis=1) < random.uniform(2.0, 30.0)
+    near = strip_borders._Near.of(faces, gone, count)
+    around = near.inner[faces].any(axis=1)
+    assert np.array_equal(near.rows, np.flatnonzero(around))
+    both = np.zeros((2, count), bool)
+    both[0, faces[gone]] = both[1, faces[~gone]] = True
+    assert near.inner[both.all(axis=0)].all()
+    every = strip_borders._neighbours(faces, count)[near.rows]
+    known = near.beside >= 0
+    assert np.array_equal(near.rows[near.beside[known]], every[known])
+    inner = near.inner[near.faces]
+    assert known[inner & inner[:, [1, 2, 0]]].all()
+
+
+def test_normals_are_those_that_are_asked_and_cost_no_place() -> None:
+    one, random = b.ball(0.0, 50.0, 32), np.random.default_rng(71410)
+    vertices = one.vertices + random.normal(0.0, 0.02, one.vertices.shape)
+    number, spacing = random.integers(-1, 3, len(vertices)), np.full(len(vertices), one.step)
+    facing = random.random(len(vertices)) < 0.3
+    places, normals = settled(vertices, number, spacing, facing, one.implicit)
+    every, known = settled(vertices, number, spacing, number >= 0, one.implicit)
+    assert np.array_equal(places, every)
+    asked = facing & (number >= 0)
+    assert np.array_equal(normals[asked], known[asked])
+    assert not normals[~asked].any()
+    assert np.abs(one.implicit.value(places[number >= 0])).max() < 1e-3 * one.step
+    assert np.array_equal(places[number < 0], vertices[number < 0])
 
 
 def test_rows_of_any_numbers_of_points_are_joined_without_a_gap() -> None:
