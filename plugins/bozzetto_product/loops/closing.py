@@ -24,6 +24,13 @@ SHALLOW: Final = 0.045
 area of a round shape that a curve is drawn across is two surfaces, not a body with the old one."""
 
 
+UPRIGHT: Final = 0.7
+"""Cosine of the angle (45°) between two loops from which on one stands on the other as a wall."""
+
+WALLED: Final = 0.95
+"""Share of the length of a loop that has walls from which on it closes a thin body: what a sheet is
+divided into lies in its plane, but slivers between strokes drawn twice may lean anywhere."""
+
 PLANE: Final = 0.02
 """Root mean square distance from its plane, as share of its extent, below which a ring round
 several surfaces may well be their bottom."""
@@ -33,7 +40,7 @@ def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
     """Tell which loops close a flat sheet.
 
     Of each part that is closed and flat that is the longest loop that is not fixed, which is the
-    one round all others.
+    one round all others. A plate is a body, however thin: walls stand all round its largest loop.
 
     Parameters
     ----------
@@ -53,7 +60,9 @@ def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
     for part, closed in zip(oriented.parts, oriented.closed, strict=True):
         free = [number for number in part if number >= fixed]
         if closed and free and _is_flat(net, [oriented.loops[n] for n in part]):
-            lids[max(free, key=lambda number: _length(net, loops[number]))] = True
+            lid = max(free, key=lambda number: _length(net, loops[number]))
+            others = [loops[number] for number in part if number != lid]
+            lids[lid] = not _has_walls(net, loops[lid], others)
     return lids
 
 
@@ -120,14 +129,33 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
     volume, largest = 0.0, 0.0
     for ring in rings:
         points = ring - everything.mean(axis=0)
-        centre = points.mean(axis=0)
-        following = np.roll(points, -1, axis=0)
-        area = 0.5 * cross_product(points - centre, following - centre).sum(axis=0)
-        volume += float(area @ centre) / 3.0
+        area = _area(points)
+        volume += float(area @ points.mean(axis=0)) / 3.0
         largest = max(largest, float(np.linalg.norm(area)))
     extent = float(np.linalg.norm(np.ptp(everything, axis=0)))
     thickness = max(FLAT * extent, SHALLOW * float(np.sqrt(largest)))
     return abs(volume) <= thickness * largest
+
+
+def _has_walls(net: Net, lid: Loop, others: Sequence[Loop]) -> bool:
+    """Tell whether other loops stand on a loop, all along it."""
+    normal = _area(_ring(net, lid))
+    length = walled = 0.0
+    for edge, _ in lid:
+        own = net.edges[edge].spline.length
+        length += own
+        for other in others:
+            if any(edge == number for number, _ in other):
+                across = _area(_ring(net, other))
+                size = np.linalg.norm(normal) * np.linalg.norm(across)
+                walled += own * float(abs(normal @ across) < UPRIGHT * size)
+    return walled >= WALLED * length
+
+
+def _area(ring: Array) -> Array:
+    """Return the vector of the area of a ring of points."""
+    points = ring - ring.mean(axis=0)
+    return np.asarray(0.5 * cross_product(points, np.roll(points, -1, axis=0)).sum(axis=0))
 
 
 def _is_plane(ring: Array) -> bool:
