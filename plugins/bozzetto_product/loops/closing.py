@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto_product.loops.candidates import Halves
-from bozzetto_product.loops.costs import STRAIGHT
+from bozzetto_product.loops.costs import BLUNT, STRAIGHT
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges
@@ -28,7 +28,7 @@ UPRIGHT: Final = 0.7
 """Cosine of the angle (45°) between two loops from which on one stands on the other as a wall."""
 
 WALLED: Final = 0.95
-"""Share of the length of a loop that has walls from which on it closes a thin body: what a sheet is
+"""Share of the length of a loop that has walls from which on it closes a plate: what a sheet is
 divided into lies in its plane, but slivers between strokes drawn twice may lean anywhere."""
 
 PLANE: Final = 0.02
@@ -36,7 +36,7 @@ PLANE: Final = 0.02
 several surfaces may well be their bottom."""
 
 
-def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
+def flat_lids(net: Net, sampled: SampledNet, loops: Sequence[Loop], fixed: int) -> Flags:
     """Tell which loops close a flat sheet.
 
     Of each part that is closed and flat that is the longest loop that is not fixed, which is the
@@ -46,6 +46,8 @@ def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
     ----------
     net : Net
         The network.
+    sampled : SampledNet
+        The same.
     loops : sequence of Loop
         All of it.
     fixed : int
@@ -61,8 +63,7 @@ def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
         free = [number for number in part if number >= fixed]
         if closed and free and _is_flat(net, [oriented.loops[n] for n in part]):
             lid = max(free, key=lambda number: _length(net, loops[number]))
-            others = [loops[number] for number in part if number != lid]
-            lids[lid] = not _has_walls(net, loops[lid], others)
+            lids[lid] = not _is_plate(net, sampled, [loops[number] for number in part])
     return lids
 
 
@@ -137,19 +138,41 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
     return abs(volume) <= thickness * largest
 
 
-def _has_walls(net: Net, lid: Loop, others: Sequence[Loop]) -> bool:
-    """Tell whether other loops stand on a loop, all along it."""
-    normal = _area(_ring(net, lid))
+def _is_plate(net: Net, sampled: SampledNet, loops: Sequence[Loop]) -> bool:
+    """Tell whether other loops stand on the largest of some, all along it."""
+    areas = [_area(_ring(net, loop)) for loop in loops]
+    largest = int(np.argmax([np.linalg.norm(area) for area in areas]))
+    normals = [
+        _corner_normals(sampled, half_edges(loop), area)
+        for loop, area in zip(loops, areas, strict=True)
+    ]
     length = walled = 0.0
-    for edge, _ in lid:
-        own = net.edges[edge].spline.length
-        length += own
+    for half, own in normals[largest].items():
+        others = [each for number, each in enumerate(normals) if number != largest]
+        edge = net.edges[half // 2].spline.length
+        length += edge
         for other in others:
-            if any(edge == number for number, _ in other):
-                across = _area(_ring(net, other))
-                size = np.linalg.norm(normal) * np.linalg.norm(across)
-                walled += own * float(abs(normal @ across) < UPRIGHT * size)
+            # At the start of a half-edge is the end of the one that runs against it.
+            beside = other.get(half, other.get(half ^ 1, own)[::-1])
+            walled += edge * float(np.abs((own * beside).sum(axis=1)).max() < UPRIGHT)
     return walled >= WALLED * length
+
+
+def _corner_normals(sampled: SampledNet, loop: Halves, area: Array) -> dict[int, Array]:
+    """Return the unit normals of a loop at the start and the end of each half-edge, (2, 3).
+
+    Where it hardly turns that is the normal of its area.
+    """
+    halves = np.array(loop)
+    arriving, leaving = -sampled.leaving[np.roll(halves, 1) ^ 1], sampled.leaving[halves]
+    normal = cross_product(arriving, leaving)
+    sine = np.linalg.norm(normal, axis=1, keepdims=True)
+    whole = area / max(float(np.linalg.norm(area)), 1e-300)
+    unit = np.where(sine > BLUNT, normal / np.maximum(sine, 1e-300), whole)
+    return {
+        half: np.stack((first, last))
+        for half, first, last in zip(loop, unit, np.roll(unit, -1, axis=0), strict=True)
+    }
 
 
 def _area(ring: Array) -> Array:
