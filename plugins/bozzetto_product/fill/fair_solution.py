@@ -74,6 +74,9 @@ STIFFENING: Final = 1e-4
 """Weight of the energy where a surface is fitted to a sweep, in mean diagonals: it decides what is
 free."""
 
+FAR_TURN: Final = 3.0
+"""Turn of a sweep, radians, from which its places may slide along it."""
+
 QUADRIC_STIFFENINGS: Final = (1e-2, 1.0, 100.0)
 """The same where it is laid on a quadric, in turn until the surface has its normals: sides that are
 a little off it ask for tangent planes that are not theirs."""
@@ -350,9 +353,18 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
 
 
 def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution:
-    """Return the surface nearest to a sweep, with a little of the energy of a start."""
+    """Return the surface nearest to a sweep, with a little of the energy of a start.
+
+    What turns by half a turn or more is hardly at the places where polynomials want to be, so it
+    may slide along itself then.
+    """
     places = sweep.places(asked.space, asked.loop.controls)
-    return _nearest(asked, start, places, None, STIFFENING)
+    made = _nearest(asked, start, places, None, STIFFENING)
+    if sweep.screw.angle < FAR_TURN:
+        return made
+    normals = normals_of(made.nets, NODES).reshape(-1, 3)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return _nearest(asked, start, places, normals, STIFFENING)
 
 
 def _nearest(

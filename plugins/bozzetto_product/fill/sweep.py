@@ -33,6 +33,10 @@ STRAIGHT: Final = 1e-3
 MOST_TURN: Final = 5.5
 """Largest turn, radians: what is turned farther begins beside its end."""
 
+TURNING: Final = 1e-3
+"""What each radian of a turn counts as a distance, share of the size: of two sweeps of one surface,
+as of a cylinder, polynomials follow the one better that turns less."""
+
 WAYS: Final = 0.1
 """Weight of the directions of the sides beside them against the places of a side that moves."""
 
@@ -277,7 +281,7 @@ def sweep_of(sides: tuple[Side, ...], origin: Array, size: float) -> Sweep | Non
     pairs = ((0, 2), (3, 1)) if count == 4 else ((0, 1), (1, 2), (2, 0))
     found = [_between(every, first, last) for first, last in pairs]
     sound = [one for one in found if one is not None]
-    return min(sound, key=lambda one: one.off) if sound else None
+    return min(sound, key=lambda one: one.off + TURNING * one.screw.angle) if sound else None
 
 
 def _between(every: list[SidePlaces], first: int, last: int) -> Sweep | None:
