@@ -44,6 +44,9 @@ STEPS: Final = 6
 REACH: Final = 0.1
 """Distance of a place from a quadric, as share of the size, up to which it is brought there."""
 
+FAR_REACH: Final = 0.3
+"""The same of an exact one: between creases a surface of least energy may be far from it."""
+
 WEAK: Final = 0.05
 """Share of the middling gradient below which a quadric has no normal: a tip, or two sheets meet."""
 
@@ -98,14 +101,14 @@ class Quadric:
 
     def nearest(self, places: Array) -> Array | None:
         """Return places of the surface along its gradients; None where some are not there."""
-        found = places
+        found, reach = places, (FAR_REACH if self.is_exact else REACH) * self.size
         for _ in range(STEPS):
             gradient = self.gradient(found)
             length = (gradient * gradient).sum(axis=1)
             if not length.min() > WEAK**2 * np.median(length):
                 return None
             found = found - (self.value(found) / length)[:, None] * gradient
-            if np.linalg.norm(found - places, axis=1).max() > REACH * self.size:
+            if np.linalg.norm(found - places, axis=1).max() > reach:
                 return None
         return found
 

@@ -78,7 +78,7 @@ def test_a_curve_that_is_there_twice_is_one() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_curve_that_is_there_twice_may_stand_anywhere(seed: int) -> None:
-    """As a program writes the edges surface by surface: joints belong to the curves that are kept."""
+    """As a program writes the edges of each surface: joints are those of the curves kept."""
     facts = each_twice(box())
     curves = facts["network"]["curves"]
     order = np.random.default_rng(seed).permutation(len(curves))
