@@ -31,6 +31,10 @@ WALLED: Final = 0.95
 """Share of the length of a loop that has walls from which on it closes a plate: what a sheet is
 divided into lies in its plane, but slivers between strokes drawn twice may lean anywhere."""
 
+FAR_SIDE: Final = 0.5
+"""Area of what does not touch the largest loop of a plate, by that of the loop, from which on it is
+the plate's other side."""
+
 PLANE: Final = 0.02
 """Root mean square distance from its plane, as share of its extent, below which a ring round
 several surfaces may well be their bottom."""
@@ -139,9 +143,18 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
 
 
 def _is_plate(net: Net, sampled: SampledNet, loops: Sequence[Loop]) -> bool:
-    """Tell whether other loops stand on the largest of some, all along it."""
+    """Tell whether loops stand on the largest of some, all along it, and others are beyond them."""
     areas = [_area(_ring(net, loop)) for loop in loops]
-    largest = int(np.argmax([np.linalg.norm(area) for area in areas]))
+    sizes = [float(np.linalg.norm(area)) for area in areas]
+    largest = int(np.argmax(sizes))
+    edges = {edge for edge, _ in loops[largest]}
+    beyond = sum(
+        size
+        for loop, size in zip(loops, sizes, strict=True)
+        if not any(edge in edges for edge, _ in loop)
+    )
+    if beyond < FAR_SIDE * sizes[largest]:
+        return False
     normals = [
         _corner_normals(sampled, half_edges(loop), area)
         for loop, area in zip(loops, areas, strict=True)
