@@ -74,6 +74,9 @@ STIFFENING: Final = 1e-4
 """Weight of the energy where a surface is fitted to a sweep, in mean diagonals: it decides what is
 free."""
 
+FAR_TURN: Final = 3.0
+"""Turn of a sweep, radians, from which its places may slide along it."""
+
 QUADRIC_STIFFENINGS: Final = (1e-2, 1.0, 100.0)
 """The same where it is laid on a quadric, in turn until the surface has its normals: sides that are
 a little off it ask for tangent planes that are not theirs."""
@@ -145,6 +148,14 @@ class LoopSides:
         return np.array(rows) / self.size
 
     @cached_property
+    def _places(self) -> Array:
+        """Places of the halves themselves at the Gauss nodes, head to tail, (2 n, 11, 3)."""
+        at = side_nodes()[0]
+        rows = [half.value(at) for side in self.sides for half in side.halves]
+        rows[1::2] = [row[::-1] for row in rows[1::2]]
+        return (np.array(rows) - self.origin) / self.size
+
+    @cached_property
     def rest(self) -> float:
         """How far the sides are from their polynomials, share of the size; 0 if they are some."""
         far = 0.0
@@ -157,22 +168,28 @@ class LoopSides:
 
     @cached_property
     def quadric(self) -> Quadric | None:
-        """The quadric on which all sides lie, if normals along all of them are its own."""
-        if not np.isfinite(self.normals).all():
-            return None
+        """The quadric on which all sides lie, if normals that are told along them are its own."""
         at, share = side_nodes()
         ring = np.concatenate((self.controls, self.controls[:1]))
         halves = ring[np.arange(0, len(ring) - 1, DEGREE)[:, None] + np.arange(DEGREE + 1)]
-        places = (bernstein(at) @ halves).reshape(-1, 3)
         lengths = np.linalg.norm(bernstein(at, 1) @ halves, axis=-1) * share
+        places = (bernstein(at) @ halves).reshape(-1, 3)
+        if not self.is_smooth:
+            places = self._places.reshape(-1, 3)
         found = quadric_through(places, lengths.ravel())
-        if found is None:
+        if found is None or not (self.is_smooth or found.is_exact):
             return None
         held = self.normals.copy()
         held[:, 1] = held[:, 1, ::-1]
         sine = np.linalg.norm(cross_product(found.normals(places), held.reshape(-1, 3)), axis=1)
+        told = sine[np.isfinite(sine)]
         most = min(LEANING, LEANING_BY_ALONE * found.alone)
-        return found if float(np.sqrt((sine**2).mean())) <= most else None
+        return found if not len(told) or float(np.sqrt((told**2).mean())) <= most else None
+
+    @cached_property
+    def is_smooth(self) -> bool:
+        """Whether normals are told along all sides."""
+        return bool(np.isfinite(self.normals).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,9 +353,18 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
 
 
 def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution:
-    """Return the surface nearest to a sweep, with a little of the energy of a start."""
+    """Return the surface nearest to a sweep, with a little of the energy of a start.
+
+    What turns by half a turn or more is hardly at the places where polynomials want to be, so it
+    may slide along itself then.
+    """
     places = sweep.places(asked.space, asked.loop.controls)
-    return _nearest(asked, start, places, None, STIFFENING)
+    made = _nearest(asked, start, places, None, STIFFENING)
+    if sweep.screw.angle < FAR_TURN:
+        return made
+    normals = normals_of(made.nets, NODES).reshape(-1, 3)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return _nearest(asked, start, places, normals, STIFFENING)
 
 
 def _nearest(
@@ -393,14 +419,15 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     strip with waves along its sides goes straight from side to side. Where two
     sides are swept into one another, that sweep takes their place, unless the tangent planes along
     all sides tell a surface of even curvature, such as a sphere, or the sides are no nearer to the
-    sweep than it is to the surface of least energy. An evened surface that gains less is believed
+    sweep than it is to the surface of least energy. Else sides with creases that lie exactly on one
+    quadric alone have that for a surface. An evened surface that gains less is believed
     if those of both energies gain and are the same; where they are not, one more step is taken.
     What folds is taken only if all do.
     """
     asked = _Conditions.of(space, loop)
     start = _Candidate(_started(asked, BENDING_RATE))
     even = _evened_or(asked, start)
-    on_quadric = _on_quadric(asked, even)
+    on_quadric = _on_quadric(asked, even) if loop.is_smooth else None
     if on_quadric is not None:
         return on_quadric.solution
     if is_strip(loop.sides):
@@ -410,12 +437,16 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
             return strip.solution
     best = even if even.score < GAIN * start.score else start
     is_even = best.solution.evened
-    if not (is_even and best.score < EVEN and np.isfinite(loop.normals).all()):
+    if not (is_even and best.score < EVEN and loop.is_smooth):
         sweep = sweep_of(loop.sides, loop.origin, loop.size)
         if sweep is not None:
             swept = _Candidate(_fitted(asked, start, sweep))
             if not swept.folds and _apart(swept, best) > TOLD * sweep.off:
                 return swept.solution
+    if not loop.is_smooth:
+        on_quadric = _on_quadric(asked, best)
+        if on_quadric is not None:
+            return on_quadric.solution
     if is_even and best.score < EVEN:
         return best.solution
     plate = _Candidate(_started(asked, PLATE))

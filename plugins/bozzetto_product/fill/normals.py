@@ -18,7 +18,7 @@ from bozzetto_product.fill.normal_field import (
     carried,
     unit_tangents,
 )
-from bozzetto_product.fill.quadric_normals import quadric_turns
+from bozzetto_product.fill.quadric_normals import is_exact_crease, quadric_turns
 from bozzetto_product.fill.torsion import TwistCorner, agreeing
 from bozzetto_product.network.net import Loop, Net
 
@@ -51,9 +51,10 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     """Return for each loop the normals along its edges.
 
     An edge of two loops is smooth if it says so, or else if the tangent planes of both loops
-    agree at its ends. Corners that smooth edges link make a fan with one normal, and each smooth
-    edge has one field of normals, which both of its loops take. Where the tangents of a fan lie
-    in no common plane, each corner keeps its own plane and fades to the common one.
+    agree at its ends, and both do not lie on exact surfaces that meet at an angle. Corners that
+    smooth edges link make a fan with one normal, and each smooth edge has one field of normals,
+    which both of its loops take. Where the tangents of a fan lie in no common plane, each corner
+    keeps its own plane and fades to the common one.
 
     Parameters
     ----------
@@ -230,7 +231,9 @@ def _is_smooth(
     least = 1.0
     for one, other in _matching_ends(both, loops):
         least = min(least, sense * float(_of(corners, one).normal @ _of(corners, other).normal))
-    return bool(least > np.cos(np.radians(SMOOTH_DEGREES)))
+    if not least > np.cos(np.radians(SMOOTH_DEGREES)):
+        return False
+    return not is_exact_crease(net, edge, [loops[number] for number, _, _ in both])
 
 
 def _of(corners: Sequence[Sequence[Corner]], which: tuple[int, int]) -> Corner:

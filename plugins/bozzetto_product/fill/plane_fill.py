@@ -19,15 +19,12 @@ from bozzetto_product.fill.fill_mesh import boundary_samples
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.fill.normal_field import across
 from bozzetto_product.fill.patch_fill import PatchFill, patch_fill
+from bozzetto_product.fill.quadric import plane_through
 from bozzetto_product.fill.ring_triangles import Inside, even_triangles
 from bozzetto_product.network.net import Loop
 
 if TYPE_CHECKING:
     import shapely
-
-OFF_PLANE: Final = 5e-9
-"""Largest distance of a loop from its plane, as share of its size: half of what exact shapes
-allow between an edge and a face."""
 
 LEAST_WIDTH: Final = 1e-6
 """Least area of a loop, as share of the square of its size: below it there is no plane to find."""
@@ -168,12 +165,11 @@ def plane_fill(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> Plan
         mesh has it.
     """
     points = np.concatenate([half.points for side in frame.sides for half in side.halves])
-    middle = points.mean(axis=0)
-    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
-    normal = axes[2]
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    if not float(np.abs((points - middle) @ normal).max()) <= OFF_PLANE * size:
+    lying = plane_through(points)
+    if lying is None:
         return None
+    middle, normal = lying
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
     ring = _ring_of(frame.sides)
     x = _direction(frame.sides, normal, size)
     corners = np.stack((x, cross_product(normal, x)))

@@ -1,4 +1,4 @@
-"""Quadrics that the curves of a loop lie on.
+"""Planes and quadrics that the curves of a loop lie on.
 
 Spheres, ellipsoids, cylinders, cones, paraboloids and hyperboloids are quadrics, and so is much of
 what is drawn on rough shapes. Two curves through a corner leave open how normals lean in the middle
@@ -18,9 +18,16 @@ import numpy as np
 
 from bozzetto.arrays import Array
 
+OFF_PLANE: Final = 5e-9
+"""Largest distance of a loop from its plane, as share of its size: half of what exact shapes
+allow between an edge and a face."""
+
 CLOSE: Final = 5e-4
 """Root mean square distance of places from a quadric, as share of their size, up to which they lie
 on it."""
+
+EXACT: Final = 2e-5
+"""The same up to which it is meant whatever normals say: curves of CAD lie so, and no hand's."""
 
 ALONE: Final = 90.0
 """How many times farther off the second quadric must be, for the first to be meant."""
@@ -36,6 +43,9 @@ STEPS: Final = 6
 
 REACH: Final = 0.1
 """Distance of a place from a quadric, as share of the size, up to which it is brought there."""
+
+FAR_REACH: Final = 0.3
+"""The same of an exact one: between creases a surface of least energy may be far from it."""
 
 WEAK: Final = 0.05
 """Share of the middling gradient below which a quadric has no normal: a tip, or two sheets meet."""
@@ -68,6 +78,11 @@ class Quadric:
     off: float
     alone: float
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether places lie on it as curves of CAD do."""
+        return self.off <= EXACT * self.size
+
     def value(self, places: Array) -> Array:
         """Return the function that is nought on the surface, (n,)."""
         return np.asarray(
@@ -86,16 +101,34 @@ class Quadric:
 
     def nearest(self, places: Array) -> Array | None:
         """Return places of the surface along its gradients; None where some are not there."""
-        found = places
+        found, reach = places, (FAR_REACH if self.is_exact else REACH) * self.size
         for _ in range(STEPS):
             gradient = self.gradient(found)
             length = (gradient * gradient).sum(axis=1)
             if not length.min() > WEAK**2 * np.median(length):
                 return None
             found = found - (self.value(found) / length)[:, None] * gradient
-            if np.linalg.norm(found - places, axis=1).max() > REACH * self.size:
+            if np.linalg.norm(found - places, axis=1).max() > reach:
                 return None
         return found
+
+
+def plane_through(places: Array, off: float = OFF_PLANE) -> tuple[Array, Array] | None:
+    """Return the middle and the unit normal of the plane that places lie in, if they do.
+
+    Parameters
+    ----------
+    places : (n, 3) float
+        Control points will do, for a plane is affine.
+    off : float
+        Largest distance from it, as share of their size.
+    """
+    middle = places.mean(axis=0)
+    normal = np.linalg.svd(places - middle, full_matrices=False)[2][2]
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    if not float(np.abs((places - middle) @ normal).max()) <= off * size:
+        return None
+    return middle, normal
 
 
 def quadric_through(places: Array, weights: Array) -> Quadric | None:

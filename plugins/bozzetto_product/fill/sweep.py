@@ -8,6 +8,7 @@ sides say that they are swept, the surface is fitted to the motion.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -29,8 +30,12 @@ is what they ask for."""
 STRAIGHT: Final = 1e-3
 """Share of the largest singular value below which the second tells no turn: a line."""
 
-MOST_TURN: Final = 3.0
-"""Largest turn, radians: beyond half a turn the other way is shorter."""
+MOST_TURN: Final = 5.5
+"""Largest turn, radians: what is turned farther begins beside its end."""
+
+TURNING: Final = 1e-3
+"""What each radian of a turn counts as a distance, share of the size: of two sweeps of one surface,
+as of a cylinder, polynomials follow the one better that turns less."""
 
 WAYS: Final = 0.1
 """Weight of the directions of the sides beside them against the places of a side that moves."""
@@ -73,20 +78,29 @@ class Screw:
         Parameters
         ----------
         turn : (3, 3) float
-            A rotation of less than half a turn.
+            A rotation; of half a turn at most about the axis that is found.
         shift : (3,) float
             What is added.
         """
-        angle = float(np.arccos(np.clip(0.5 * (np.trace(turn) - 1.0), -1.0, 1.0)))
+        skew = turn - turn.T
+        sine = 0.5 * np.array((skew[2, 1], skew[0, 2], skew[1, 0]))
+        cosine = 0.5 * (np.trace(turn) - 1.0)
+        angle = float(np.arctan2(np.linalg.norm(sine), cosine))
         if angle < PUSHED:
             return cls(0.0, np.array((0.0, 0.0, 1.0)), np.zeros(3), shift)
-        skew = turn - turn.T
-        axis = np.array((skew[2, 1], skew[0, 2], skew[1, 0]))
-        axis /= max(float(np.linalg.norm(axis)), 1e-300)
+        axis = sine / max(float(np.linalg.norm(sine)), 1e-300)
+        if cosine < 0.0:
+            # Near half a turn the sine tells little: the axis is what both turns leave as it is.
+            found = np.linalg.eigh(turn + turn.T)[1][:, 2]
+            axis = -found if found @ sine < 0.0 else found
         push = float(shift @ axis) * axis
         across = shift - push
         foot = 0.5 * (across + cross_product(axis, across) / np.tan(0.5 * angle))
         return cls(angle, axis, foot, push)
+
+    def other_way(self) -> Screw:
+        """Return the motion to the same place by what is left of the whole turn."""
+        return Screw(2.0 * np.pi - self.angle, -self.axis, self.foot, self.push)
 
     def moved(self, places: Array, share: Array) -> Array:
         """Return places after shares (n,) of the motion, (n, 3)."""
@@ -267,7 +281,7 @@ def sweep_of(sides: tuple[Side, ...], origin: Array, size: float) -> Sweep | Non
     pairs = ((0, 2), (3, 1)) if count == 4 else ((0, 1), (1, 2), (2, 0))
     found = [_between(every, first, last) for first, last in pairs]
     sound = [one for one in found if one is not None]
-    return min(sound, key=lambda one: one.off) if sound else None
+    return min(sound, key=lambda one: one.off + TURNING * one.screw.angle) if sound else None
 
 
 def _between(every: list[SidePlaces], first: int, last: int) -> Sweep | None:
@@ -281,19 +295,31 @@ def _between(every: list[SidePlaces], first: int, last: int) -> Sweep | None:
     screw = _motion(one, two, np.array([_end_slopes(side) for side, _ in orbits]))
     if screw is None:
         return None
-    away = np.linalg.norm(screw.moved(one, np.ones(len(one))) - two, axis=1).max()
-    shares = [screw.shares(side.places, place) for side, place in orbits]
-    for (side, place), share in zip(orbits, shares, strict=True):
-        orbit = screw.moved(np.broadcast_to(place, side.places.shape), share)
-        away = max(away, np.linalg.norm(side.places - orbit, axis=1).max())
+    ways = [screw]
+    if 2.0 * np.pi - screw.angle <= MOST_TURN:
+        ways.append(screw.other_way())
+    away, screw = min(
+        ((_off(way, one, two, orbits), way) for way in ways), key=lambda found: found[0]
+    )
     if away > ALIKE:
         return None
+    shares = [screw.shares(side.places, place) for side, place in orbits]
     rows = [(side, side.slopes) for side in (start, end)]
     for (side, _), share, slope in zip(orbits, shares, start.slopes[[0, -1]], strict=False):
         rows.append((side, screw.turned(np.broadcast_to(slope, side.places.shape), share)))
     if _leaning(screw, rows) > LEANING:
         return None
-    return Sweep(first, last, screw, float(away))
+    return Sweep(first, last, screw, away)
+
+
+def _off(screw: Screw, one: Array, two: Array, orbits: Sequence[tuple[SidePlaces, Array]]) -> float:
+    """Return how far a motion of places to others, and of places along sides, is from them."""
+    away = float(np.linalg.norm(screw.moved(one, np.ones(len(one))) - two, axis=1).max())
+    for side, place in orbits:
+        share = screw.shares(side.places, place)
+        orbit = screw.moved(np.broadcast_to(place, side.places.shape), share)
+        away = max(away, float(np.linalg.norm(side.places - orbit, axis=1).max()))
+    return away
 
 
 def _end_slopes(side: SidePlaces) -> Array:
@@ -321,8 +347,6 @@ def _motion(one: Array, two: Array, ways: Array) -> Screw | None:
         return None
     sense = np.sign(np.linalg.det(right.T @ left.T))
     turn = right.T @ np.diag((1.0, 1.0, sense)) @ left.T
-    if 0.5 * (np.trace(turn) - 1.0) < np.cos(MOST_TURN):
-        return None
     return Screw.of(turn, other - turn @ middle)
 
 

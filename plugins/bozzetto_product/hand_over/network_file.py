@@ -122,10 +122,10 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
+    kept = [pair for pair in zip(names, splines, strict=True) if pair[0] not in again]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
-        for number, (name, spline) in enumerate(zip(names, splines, strict=True), 1)
-        if name not in again
+        for number, (name, spline) in enumerate(kept, 1)
     )
     state = joined_state(curves, size, tolerance / FIT)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows, again)

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto_product.loops.candidates import Halves
-from bozzetto_product.loops.costs import STRAIGHT
+from bozzetto_product.loops.costs import BLUNT, STRAIGHT
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges
@@ -24,21 +24,34 @@ SHALLOW: Final = 0.045
 area of a round shape that a curve is drawn across is two surfaces, not a body with the old one."""
 
 
+UPRIGHT: Final = 0.7
+"""Cosine of the angle (45°) between two loops from which on one stands on the other as a wall."""
+
+WALLED: Final = 0.95
+"""Share of the length of a loop that has walls from which on it closes a plate: what a sheet is
+divided into lies in its plane, but slivers between strokes drawn twice may lean anywhere."""
+
+FAR_SIDE: Final = 0.5
+"""Area of what does not touch the largest loop of a plate, by that of the loop, from which on it is
+the plate's other side."""
+
 PLANE: Final = 0.02
 """Root mean square distance from its plane, as share of its extent, below which a ring round
 several surfaces may well be their bottom."""
 
 
-def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
+def flat_lids(net: Net, sampled: SampledNet, loops: Sequence[Loop], fixed: int) -> Flags:
     """Tell which loops close a flat sheet.
 
     Of each part that is closed and flat that is the longest loop that is not fixed, which is the
-    one round all others.
+    one round all others. A plate is a body, however thin: walls stand all round its largest loop.
 
     Parameters
     ----------
     net : Net
         The network.
+    sampled : SampledNet
+        The same.
     loops : sequence of Loop
         All of it.
     fixed : int
@@ -53,7 +66,8 @@ def flat_lids(net: Net, loops: Sequence[Loop], fixed: int) -> Flags:
     for part, closed in zip(oriented.parts, oriented.closed, strict=True):
         free = [number for number in part if number >= fixed]
         if closed and free and _is_flat(net, [oriented.loops[n] for n in part]):
-            lids[max(free, key=lambda number: _length(net, loops[number]))] = True
+            lid = max(free, key=lambda number: _length(net, loops[number]))
+            lids[lid] = not _is_plate(net, sampled, [loops[number] for number in part])
     return lids
 
 
@@ -120,14 +134,64 @@ def _is_flat(net: Net, loops: Sequence[Loop]) -> bool:
     volume, largest = 0.0, 0.0
     for ring in rings:
         points = ring - everything.mean(axis=0)
-        centre = points.mean(axis=0)
-        following = np.roll(points, -1, axis=0)
-        area = 0.5 * cross_product(points - centre, following - centre).sum(axis=0)
-        volume += float(area @ centre) / 3.0
+        area = _area(points)
+        volume += float(area @ points.mean(axis=0)) / 3.0
         largest = max(largest, float(np.linalg.norm(area)))
     extent = float(np.linalg.norm(np.ptp(everything, axis=0)))
     thickness = max(FLAT * extent, SHALLOW * float(np.sqrt(largest)))
     return abs(volume) <= thickness * largest
+
+
+def _is_plate(net: Net, sampled: SampledNet, loops: Sequence[Loop]) -> bool:
+    """Tell whether loops stand on the largest of some, all along it, and others are beyond them."""
+    areas = [_area(_ring(net, loop)) for loop in loops]
+    sizes = [float(np.linalg.norm(area)) for area in areas]
+    largest = int(np.argmax(sizes))
+    edges = {edge for edge, _ in loops[largest]}
+    beyond = sum(
+        size
+        for loop, size in zip(loops, sizes, strict=True)
+        if not any(edge in edges for edge, _ in loop)
+    )
+    if beyond < FAR_SIDE * sizes[largest]:
+        return False
+    normals = [
+        _corner_normals(sampled, half_edges(loop), area)
+        for loop, area in zip(loops, areas, strict=True)
+    ]
+    length = walled = 0.0
+    for half, own in normals[largest].items():
+        others = [each for number, each in enumerate(normals) if number != largest]
+        edge = net.edges[half // 2].spline.length
+        length += edge
+        for other in others:
+            # At the start of a half-edge is the end of the one that runs against it.
+            beside = other.get(half, other.get(half ^ 1, own)[::-1])
+            walled += edge * float(np.abs((own * beside).sum(axis=1)).max() < UPRIGHT)
+    return walled >= WALLED * length
+
+
+def _corner_normals(sampled: SampledNet, loop: Halves, area: Array) -> dict[int, Array]:
+    """Return the unit normals of a loop at the start and the end of each half-edge, (2, 3).
+
+    Where it hardly turns that is the normal of its area.
+    """
+    halves = np.array(loop)
+    arriving, leaving = -sampled.leaving[np.roll(halves, 1) ^ 1], sampled.leaving[halves]
+    normal = cross_product(arriving, leaving)
+    sine = np.linalg.norm(normal, axis=1, keepdims=True)
+    whole = area / max(float(np.linalg.norm(area)), 1e-300)
+    unit = np.where(sine > BLUNT, normal / np.maximum(sine, 1e-300), whole)
+    return {
+        half: np.stack((first, last))
+        for half, first, last in zip(loop, unit, np.roll(unit, -1, axis=0), strict=True)
+    }
+
+
+def _area(ring: Array) -> Array:
+    """Return the vector of the area of a ring of points."""
+    points = ring - ring.mean(axis=0)
+    return np.asarray(0.5 * cross_product(points, np.roll(points, -1, axis=0)).sum(axis=0))
 
 
 def _is_plane(ring: Array) -> bool:

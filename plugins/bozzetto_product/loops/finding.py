@@ -99,7 +99,8 @@ def find_loops(
     chosen = np.flatnonzero(choose_loops(loops, -costs, np.maximum(0, MOST_LOOPS - taken), pairs))
     chosen = chosen[np.argsort(costs[chosen], kind="stable")]
     every = [*fixed, *(loop_of_half_edges(loops[number]) for number in chosen)]
-    closing = flat_lids(net, every, len(fixed)) | unfinished_rims(net, sampled, every, len(fixed))
+    parts = (net, sampled, every, len(fixed))
+    closing = flat_lids(*parts) | unfinished_rims(*parts)
     chosen = chosen[~closing[len(fixed) :]]
     order = np.argsort(costs, kind="stable")
     of_fixed = loop_costs(sampled, fixed_halves)

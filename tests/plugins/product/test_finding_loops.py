@@ -330,3 +330,25 @@ def test_the_two_sides_of_a_cushion_in_halves_are_a_body() -> None:
     sketch.curve("b", (0, 0, -0.7), "e", name="below")
     loops = find_loops(sketch.net()).loops
     assert len({edge_set(loop) for loop in loops}) == 4
+
+
+@pytest.mark.parametrize("thickness", [0.2, 1.0, 30.0])
+@pytest.mark.parametrize("bow", [0.0, 8.0])
+def test_a_plate_is_a_body_however_thin(thickness: float, bow: float) -> None:
+    """Walls stand all round it, flat or bent; a sheet that is divided has none."""
+    sketch = Sketch()
+    sketch.node(a=(0, 0, 0), b=(100, 0, 0), c=(100, 60, 0), d=(0, 60, 0))
+    up = (0, 0, thickness)
+    for low, high in zip("abcd", "efgh", strict=True):
+        sketch.node(**{high: np.add(sketch.nodes[low], up)})
+    for row in ("abcd", "efgh"):
+        for first, last in zip(row, row[1:] + row[0], strict=True):
+            middle = 0.5 * np.add(sketch.nodes[first], sketch.nodes[last])
+            over = (0, 0, bow if abs(sketch.nodes[first][0] - sketch.nodes[last][0]) > 50 else 0)
+            sketch.curve(first, middle + over, last)
+    for pair in ("a e", "b f", "c g", "d h"):
+        sketch.curve(pair)
+    net = sketch.net()
+    counts = [sum(edge in edge_set(loop) for loop in find_loops(net).loops) for edge in range(12)]
+    assert counts == [2] * 12
+    assert len(find_loops(net).loops) == 6

@@ -76,6 +76,20 @@ def test_a_curve_that_is_there_twice_is_one() -> None:
     assert [p["area_mm2"] for p in twice["patches"]] == [p["area_mm2"] for p in once["patches"]]
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_curve_that_is_there_twice_may_stand_anywhere(seed: int) -> None:
+    """As a program writes the edges of each surface: joints are those of the curves kept."""
+    facts = each_twice(box())
+    curves = facts["network"]["curves"]
+    order = np.random.default_rng(seed).permutation(len(curves))
+    facts["network"]["curves"] = [curves[k] for k in order]
+    told = report(facts)
+    assert told["closed"]
+    assert told["joints"] == 8
+    areas = sorted(p["area_mm2"] for p in told["patches"])
+    np.testing.assert_allclose(areas, sorted(p["area_mm2"] for p in report(box())["patches"]))
+
+
 def test_the_other_name_of_a_curve_stands_for_it() -> None:
     facts = each_twice(box())
     facts["network"] |= {

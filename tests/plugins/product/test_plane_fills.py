@@ -115,11 +115,21 @@ def folded_sheet(height):
     return Net(corners, edges), (one, two)
 
 
-@pytest.mark.parametrize(("height", "kind"), [(0.0, PlaneFill), (0.4, PatchFill), (1.5, PlaneFill)])
-def test_smooth_to_what_is_bent_it_bends_and_at_creases_it_is_plane(height, kind):
-    """In one plane, at 22° (smooth, so both give way), and at 56° (a crease)."""
+@pytest.mark.parametrize(
+    ("height", "crease", "kind"),
+    [
+        (0.0, np.nan, PlaneFill),
+        (0.4, np.nan, PlaneFill),
+        (0.4, 0.0, PatchFill),
+        (1.5, np.nan, PlaneFill),
+    ],
+)
+def test_smooth_to_what_is_bent_it_bends_and_at_creases_it_is_plane(height, crease, kind):
+    """In one plane, at 22° (two planes; told smooth, both give way), and at 56°."""
     net, loops = folded_sheet(height)
-    fill, _ = fill_net(net, loops)
+    edges = list(net.edges)
+    edges[1] = replace(edges[1], crease=crease)
+    fill, _ = fill_net(replace(net, edges=tuple(edges)), loops)
     assert isinstance(fill, kind)
     assert np.nanmax([0.0, *fill.g1_degrees]) <= 0.05
 

@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from bozzetto.geometry import Spline
+from bozzetto.plugin import Job
+from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.quadric import Quadric, quadric_through
 from bozzetto_product.fill.quadric_normals import quadric_turns
+from bozzetto_product.hand_over.imported import product_of_network
+from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.net import Net
+from tests.plugins.product.detail_kit import solved
 from tests.plugins.product.known_surfaces import (
     KnownLoop,
     ellipsoid,
@@ -173,3 +178,75 @@ def test_the_torus_s_own_normals_do_not_make_it_a_quadric() -> None:
     chart = np.array([[0.0, -0.5], [0.7, -0.5], [0.7, 0.5], [0.0, 0.5]])
     known = loop_on("torus", torus(1.0, 0.4), chart)
     assert error_percent(known, filled(known, true_normals(known))) < 0.1
+
+
+def _fill_of(**curves: np.ndarray) -> Fill:
+    """Return the surface of the one loop of a network."""
+    rows = [{"name": name, "points": points.tolist()} for name, points in curves.items()]
+    result = solved(product_of_network({"network": {"curves": rows}, "unit": "mm"}))
+    (patch,) = result.filled
+    assert patch.surface is not None
+    return patch.surface
+
+
+def _cut_cylinder(notch: float, noise: float = 0.0) -> Fill:
+    """Return the surface of half a cylinder of radius 25 with an uneven side, standing alone."""
+    turn, height = np.linspace(0.0, np.pi, 41), np.linspace(0.0, 80.0, 41)
+
+    def on(angle: np.ndarray, z: np.ndarray, seed: int) -> np.ndarray:
+        places = np.column_stack((25 * np.cos(angle), 25 * np.sin(angle), z))
+        shake = noise * np.random.default_rng(seed).normal(size=3) * np.sin(turn)[:, None] ** 2
+        return places + shake
+
+    low, high = on(turn, 0 * turn, 1), on(turn, 80 + 0 * turn, 2)
+    uneven = on(notch * np.sin(np.pi * height / 80.0) ** 2, height, 3)
+    return _fill_of(low=low, high=high, line=on(np.pi + 0 * turn, height, 4), uneven=uneven)
+
+
+@pytest.mark.parametrize("notch", [0.2, 0.5, -0.4])
+def test_creases_that_lie_exactly_on_one_quadric_have_that_for_a_surface(notch: float) -> None:
+    """As faces of CAD do: they were up to 10 mm off."""
+    places = _cut_cylinder(notch).mesh.vertices
+    assert np.abs(np.hypot(places[:, 0], places[:, 1]) - 25.0).max() < 0.05
+
+
+def test_creases_that_a_hand_drew_near_a_quadric_are_not_laid_on_it() -> None:
+    assert _cut_cylinder(0.2).solution.loop.quadric is not None
+    assert _cut_cylinder(0.2, noise=0.3).solution.loop.quadric is None
+
+
+@pytest.mark.parametrize("slope", [5.0, 15.0])
+def test_planes_that_meet_at_a_small_angle_stay_planes(slope: float) -> None:
+    """A flat roof: below 35° its ridge was smooth, and both its sides bulged."""
+    rise = 30.0 * np.tan(np.radians(slope))
+    at = dict(zip("abcd", ((0, 0, 0), (60, 0, 0), (60, 90, 0), (0, 90, 0)), strict=True))
+    at |= {high: np.add(at[low], (0, 0, 40)) for high, low in zip("efgh", "abcd", strict=True)}
+    at |= {"r": np.array((30, 0, 40 + rise)), "s": np.array((30, 90, 40 + rise))}
+    ways = (
+        "ab",
+        "bc",
+        "cd",
+        "da",
+        "ae",
+        "bf",
+        "cg",
+        "dh",
+        "fg",
+        "he",
+        "er",
+        "rf",
+        "gs",
+        "sh",
+        "rs",
+    )
+    rows = [{"name": way, "points": [list(map(float, at[end])) for end in way]} for way in ways]
+    state = product_of_network({"network": {"curves": rows}, "unit": "mm"})
+    told = ProductModeler().report(state, solved(state), Job())
+    assert told["closed"]
+    assert not any(edge["smooth"] for edge in told["edges"])
+    roof = 90.0 * np.hypot(30.0, rise)
+    areas = [patch["area_mm2"] for patch in told["patches"] if "rs" in patch["curves"]]
+    np.testing.assert_allclose(areas, roof, rtol=1e-6)
+    smooth = product_of_network({"network": {"curves": rows, "creases": {"rs": 0}}, "unit": "mm"})
+    told = ProductModeler().report(smooth, solved(smooth), Job())
+    assert [edge["curve"] for edge in told["edges"] if edge["smooth"]] == ["rs"]

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from bozzetto_product.fill.sweep import Screw, sweep_of
+from bozzetto_product.hand_over.imported import product_of_network
+from tests.plugins.product.detail_kit import solved
 from tests.plugins.product.known_surfaces import (
     error_percent,
     estimated_normals,
@@ -45,6 +47,42 @@ def test_a_screw_is_the_motion_that_it_is_made_of(seed):
     share = random.uniform(0.05, 0.95, 5)
     moved = screw.moved(np.tile(places[0], (5, 1)), share)
     np.testing.assert_allclose(screw.shares(moved, places[0]), share, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(7400, 7410))
+@pytest.mark.parametrize("off", [0.0, 1e-9, 1e-3])
+def test_the_other_way_of_half_a_turn_comes_to_the_same_place(seed, off):
+    random = np.random.default_rng(seed)
+    turn, shift = rotation(random.normal(size=3), np.pi - off), random.normal(size=3)
+    screw, places = Screw.of(turn, shift), random.normal(size=(5, 3))
+    one = np.ones(5)
+    for way in (screw, screw.other_way()):
+        np.testing.assert_allclose(way.moved(places, one), places @ turn.T + shift, atol=1e-7)
+    assert screw.angle + screw.other_way().angle == pytest.approx(2 * np.pi)
+
+
+@pytest.mark.parametrize("degrees", [120.0, 180.0, 240.0])
+def test_a_profile_is_turned_by_half_a_turn_and_more(degrees):
+    """CAD cuts what closes in halves: of a tube's quarter that were up to 1.9 % of the size."""
+    turn = np.radians(np.linspace(0.0, degrees, 61))
+    way = np.linspace(0.0, 0.5 * np.pi, 21)
+
+    def on(angle, about):
+        out = 20.0 + 5.0 * np.cos(about)
+        return np.column_stack((out * np.cos(angle), out * np.sin(angle), 5.0 * np.sin(about)))
+
+    curves = {
+        "start": on(0 * way, way),
+        "end": on(turn[-1] + 0 * way, way),
+        "outer": on(turn, 0 * turn),
+        "upper": on(turn, 0.5 * np.pi + 0 * turn),
+    }
+    rows = [{"name": name, "points": points.tolist()} for name, points in curves.items()]
+    result = solved(product_of_network({"network": {"curves": rows}, "unit": "mm"}))
+    x, y, z = result.filled[0].mesh.vertices.astype(float).T
+    off = np.abs(np.hypot(np.hypot(x, y) - 20.0, z) - 5.0)
+    assert off.max() < 0.004 * 50.0
+    assert off.mean() < 0.0005 * 50.0
 
 
 def test_a_push_is_no_turn():
