@@ -19,8 +19,11 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.planar_embedding import Ring
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.hidden_corners import Whole, with_hidden_corners
 from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
+from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.visible_regions import (
@@ -75,14 +78,6 @@ class HiddenLines:
     unexplained: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Whole:
-    """Corners (n, 2) and lines (m, 2) of a whole solid in the picture."""
-
-    points: Array
-    lines: Index
-
-
 def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[HiddenLines, ...]:
     """Guess the lines that are hidden, the guess that explains most of the drawing first.
 
@@ -116,11 +111,11 @@ def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[Hidde
         if len(ring) > FEWEST and not junctions.is_stem[list(ring)].any()
     ]
     view = parallel_view(drawing, camera, faces)
-    found = _guessed(view, junctions, most) if view.perspective > 0.0 else []
+    found = _guessed(view, junctions, faces, most) if view.perspective > 0.0 else []
     plain = ParallelView(
         drawing, drawing.points, np.zeros(2), 0.0, np.zeros(len(drawing.points)), certain=False
     )
-    return tuple(_different(found + _guessed(plain, junctions, most), drawing)[:most])
+    return tuple(_different(found + _guessed(plain, junctions, faces, most), drawing)[:most])
 
 
 def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLines]:
@@ -139,21 +134,30 @@ def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLin
     return kept
 
 
-def _guessed(view: ParallelView, junctions: Junctions, most: int) -> list[HiddenLines]:
+def _guessed(
+    view: ParallelView, junctions: Junctions, faces: Sequence[Rings], most: int
+) -> list[HiddenLines]:
     """Return what may be hidden of a drawing without perspective, as it was drawn."""
     drawing = view.drawing
     reach = NEAR + 3.0 * drawing.noise
+    outline = outline_of(drawing, reach)
     # Much of a prism is a mirror image of something: mirrors are asked where the others end.
     wholes = [
         *((False, whole) for whole in _extruded(drawing, junctions, reach)),
         *((False, whole) for whole in _turned(drawing, junctions, reach)),
+        *(
+            (False, whole)
+            for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)
+        ),
         *((True, whole) for whole in _mirrored(drawing, junctions, reach)),
     ]
     found: list[tuple[bool, float, int, HiddenLines]] = []
-    seen: list[_Whole] = []
+    seen: list[Whole] = []
     for is_mirrored, whole in wholes:
         missing, unexplained = _compared(drawing, junctions, whole, reach)
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
+            continue
+        if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
         seen.append(whole)
         places = view.as_drawn(whole.points, _depths(view, whole))
@@ -167,7 +171,14 @@ def _guessed(view: ParallelView, junctions: Junctions, most: int) -> list[Hidden
     return [each[3] for each in found[:most]]
 
 
-def _depths(view: ParallelView, whole: _Whole) -> Array:
+def _is_within(ends: Array, outline: Outline) -> bool:
+    """Whether hidden lines, (k, 2, 2), are behind what was drawn."""
+    share = np.linspace(0.0, 1.0, 9)[:, None]
+    places = ends[:, None, 0] + share * (ends[:, None, 1] - ends[:, None, 0])
+    return bool(outline.cover(places.reshape(-1, 2)).all())
+
+
+def _depths(view: ParallelView, whole: Whole) -> Array:
     """Return depths of the corners of a whole, (n,): those drawn keep theirs.
 
     A line rises with its length by the slope of its class; lines along an axis by that of the axis.
@@ -217,7 +228,7 @@ def _classes_of(spans: Array) -> Index:
     return labels
 
 
-def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
     """Return prisms over every visible ring, along every direction of lines that leave it."""
     labels = parallel_classes(drawing).labels
     everything = np.arange(len(labels))
@@ -238,15 +249,15 @@ def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Who
 
 
 def _with_holes(
-    drawing: Drawing, whole: _Whole, holes: Sequence[Ring], step: Array, reach: float
-) -> _Whole:
+    drawing: Drawing, whole: Whole, holes: Sequence[Ring], step: Array, reach: float
+) -> Whole:
     """Return a prism with holes that go through it as far as its sides."""
     points, lines = [whole.points], [whole.lines]
     for ring in holes:
         hole = _prism(drawing, ring, drawing.points[list(ring)] + step, reach)
         lines.append(hole.lines + sum(len(each) for each in points))
         points.append(hole.points)
-    return _Whole(np.concatenate(points), np.concatenate(lines))
+    return Whole(np.concatenate(points), np.concatenate(lines))
 
 
 def _steps(
@@ -295,7 +306,7 @@ def _distinct(steps: Array, reach: float) -> list[Array]:
     return [mean, *far]
 
 
-def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> _Whole:
+def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> Whole:
     """Return the prism between a ring and its far end, (n, 2)."""
     count = len(ring)
     near = drawing.points[list(ring)]
@@ -309,10 +320,10 @@ def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> _
             np.column_stack((here, here + count)),
         )
     )
-    return _Whole(points, lines)
+    return Whole(points, lines)
 
 
-def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
     """Return what was drawn with its image by a half turn, about middles of pairs of corners."""
     points, lines, _ = _without_stems(drawing, junctions)
     first, second = np.triu_indices(len(points), 1)
@@ -324,7 +335,7 @@ def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole
     return [whole for whole in turned if whole is not None]
 
 
-def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
     """Return what was drawn with its mirror image, across the lines of each class."""
     points, lines, kept = _without_stems(drawing, junctions)
     labels = parallel_classes(drawing).labels[kept]
@@ -344,7 +355,7 @@ def _without_stems(drawing: Drawing, junctions: Junctions) -> tuple[Array, Index
 
 def _with_images(
     points: Array, lines: Index, images: Array, reach: float, *, across: bool = False
-) -> _Whole | None:
+) -> Whole | None:
     """Return corners and lines with their images; None where a corner has too few lines.
 
     Lines `across` join corners to their images where both have one line too few.
@@ -365,7 +376,7 @@ def _with_images(
         joins = joins[(joins[:, 0] != joins[:, 1]) & (degrees[joins] == 2).all(axis=1)]
         pairs = np.unique(np.concatenate((pairs, joins)), axis=0)
         degrees = np.bincount(pairs.ravel(), minlength=len(corners))
-    return _Whole(corners, pairs) if (degrees >= 3).all() else None
+    return Whole(corners, pairs) if (degrees >= 3).all() else None
 
 
 def _most_common(places: Array, reach: float, most: int = 6) -> Index:
@@ -390,7 +401,7 @@ def _snapped(guessed: Array, drawn: Array, reach: float) -> Array:
 
 
 def _compared(
-    drawing: Drawing, junctions: Junctions, whole: _Whole, reach: float
+    drawing: Drawing, junctions: Junctions, whole: Whole, reach: float
 ) -> tuple[Flags, float]:
     """Return which lines of a whole were not drawn, (k,), and the share of ink beside it."""
     starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
@@ -420,7 +431,7 @@ def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: fl
     return made
 
 
-def _is_known(whole: _Whole, seen: Sequence[_Whole], reach: float) -> bool:
+def _is_known(whole: Whole, seen: Sequence[Whole], reach: float) -> bool:
     """Whether a guess has the corners of one before."""
     for other in seen:
         if len(other.points) == len(whole.points):
