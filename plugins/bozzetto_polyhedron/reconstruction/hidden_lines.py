@@ -26,6 +26,7 @@ from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
 from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
+from bozzetto_polyhedron.reconstruction.soundness import is_sound
 from bozzetto_polyhedron.reconstruction.visible_regions import (
     Junctions,
     holes_in,
@@ -42,6 +43,9 @@ UNEXPLAINED: Final = 0.12
 
 LEAST_SHARE: Final = 0.05
 """Share of the way to a vanishing point below which sides are parallel."""
+
+LEAST_HIDDEN: Final = 0.01
+"""Share of a line that is hidden at least where it goes behind others."""
 
 FEWEST: Final = 3
 """Corners of the least ring."""
@@ -154,12 +158,15 @@ def _guessed(
     found: list[tuple[bool, float, int, HiddenLines]] = []
     seen: list[Whole] = []
     for is_mirrored, whole in wholes:
-        missing, unexplained = _compared(drawing, junctions, whole, reach)
+        hidden, unexplained = _compared(drawing, junctions, whole, reach)
+        missing = hidden > 0.0
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
             continue
         if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
         seen.append(whole)
+        if not is_sound(drawing, whole.points, whole.lines, hidden):
+            continue
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
         guess = HiddenLines(places[whole.lines[missing]], unexplained)
@@ -402,8 +409,11 @@ def _snapped(guessed: Array, drawn: Array, reach: float) -> Array:
 
 def _compared(
     drawing: Drawing, junctions: Junctions, whole: Whole, reach: float
-) -> tuple[Flags, float]:
-    """Return which lines of a whole were not drawn, (k,), and the share of ink beside it."""
+) -> tuple[Array, float]:
+    """Return the share of each line of a whole that was not drawn, (k,), and of ink beside it.
+
+    A line that was drawn from end to end has the share 0 however it was drawn, and others more.
+    """
     starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
     ends = drawing.points[drawing.lines]
     stems = junctions.is_stem[drawing.lines]
@@ -415,8 +425,11 @@ def _compared(
     lengths = drawing.lengths
     whole_lines = ~(stems[:, 0] | stems[:, 1])
     complete = fit & whole_lines[:, None]
-    wanted = long & ~complete.any(0)
-    return wanted, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
+    drawn = ((fit & long) * lengths[:, None]).sum(0) / np.maximum(
+        np.linalg.norm(stops - starts, axis=1), 1e-12
+    )
+    hidden = np.where(long & ~complete.any(0), np.clip(1.0 - drawn, LEAST_HIDDEN, 1.0), 0.0)
+    return hidden, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
 
 
 def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: float) -> Flags:
