@@ -1,11 +1,11 @@
 """Hidden corners of a solid, found where lines meet that visible corners lack.
 
-A corner of a solid has three lines at least. One at the border of the drawing that shows two lacks a
-line that goes behind, along a direction of other lines; a line that ends on the middle of another
+A corner of a solid has three lines at least. One at the border of the drawing that shows two lacks
+a line that goes behind, along a direction of other lines; a line that ends on the middle of another
 goes on behind it. Two such lines meet in a hidden corner, from which a third one goes on, until no
-corner lacks a line (Varley & Martin, *A system for constructing boundary representation solid models
-from a two-dimensional sketch*, 2000, complete the hidden part alike). Corners of four lines, and
-those that no such line leads to, are not found. Lengths are shares of the diagonal.
+corner lacks a line (Varley & Martin, *A system for constructing boundary representation solid
+models from a two-dimensional sketch*, 2000, complete the hidden part alike). Corners of four lines,
+and those that no such line leads to, are not found. Lengths are shares of the diagonal.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class _Lack:
 
 @dataclass(frozen=True)
 class _State:
-    """Lacks that are left, and what was made: hidden corners, lines, and new ends of drawn lines."""
+    """Lacks that are left, and what was made: hidden corners, lines, new ends of drawn lines."""
 
     lacks: tuple[_Lack, ...]
     corners: tuple[tuple[float, float, float], ...] = ()

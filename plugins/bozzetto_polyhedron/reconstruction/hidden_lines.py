@@ -147,17 +147,14 @@ def _guessed(
     outline = outline_of(drawing, reach)
     # Much of a prism is a mirror image of something: mirrors are asked where the others end.
     wholes = [
-        *((False, whole) for whole in _extruded(drawing, junctions, reach)),
-        *((False, whole) for whole in _turned(drawing, junctions, reach)),
-        *(
-            (False, whole)
-            for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)
-        ),
-        *((True, whole) for whole in _mirrored(drawing, junctions, reach)),
+        *((0, whole) for whole in _extruded(drawing, junctions, reach)),
+        *((0, whole) for whole in _turned(drawing, junctions, reach)),
+        *((1, whole) for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)),
+        *((2, whole) for whole in _mirrored(drawing, junctions, reach)),
     ]
-    found: list[tuple[bool, float, int, HiddenLines]] = []
+    found: list[tuple[bool, float, bool, int, int, HiddenLines]] = []
     seen: list[Whole] = []
-    for is_mirrored, whole in wholes:
+    for way, whole in wholes:
         hidden, unexplained = _compared(drawing, junctions, whole, reach)
         missing = hidden > 0.0
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
@@ -165,17 +162,19 @@ def _guessed(
         if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
         seen.append(whole)
-        if not is_sound(drawing, whole.points, whole.lines, hidden):
+        sound = is_sound(drawing, whole.points, whole.lines, hidden)
+        if sound is False:
             continue
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
         guess = HiddenLines(places[whole.lines[missing]], unexplained)
-        found.append((is_mirrored, round(unexplained, 3), int(missing.sum()), guess))
-    found.sort(key=lambda each: each[:3])
+        rank = (way == 2, round(unexplained, 3), sound is None, way, int(missing.sum()))
+        found.append((*rank, guess))
+    found.sort(key=lambda each: each[:-1])
     others = sum(not each[0] for each in found)
     if others < len(found):
         del found[max(1, most - 1) : others]
-    return [each[3] for each in found[:most]]
+    return [each[-1] for each in found[:most]]
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:
