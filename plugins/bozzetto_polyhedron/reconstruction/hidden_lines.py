@@ -163,7 +163,7 @@ def _guessed(
             continue
         seen.append(whole)
         sound = is_sound(drawing, whole.points, whole.lines, hidden)
-        if sound is False or (way == 1 and not sound):
+        if sound is False:
             continue
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center

@@ -2,8 +2,9 @@
 
     python -m tests.plugins.polyhedron.figures_hidden_lines [--count 80] [--first 20000]
 
-Prisms, and blocks with a hole through them, in views that nothing was tuned on: parallel ones, and
-from 5, 2 and 1.2 sizes away, on a sheet that has no perspective itself. A guess is right if the
+Prisms, blocks with a hole through them, solids of several boxes, and solids with corners cut, in
+views that nothing was tuned on: parallel ones, and from 5, 2 and 1.2 sizes away, on a sheet that
+has no perspective itself. A guess is right if the
 drawing with its lines added is the graph of the solid; first answers are those of this drawing, as
 `figures_end_to_end` asks.
 """
@@ -40,6 +41,8 @@ PRISMS = ("rectilinear prism", "stairs", "letter prism", "slanted prism", "slant
 KINDS: dict[str, Callable[[int], Polyhedron | None]] = {
     "prisms": lambda seed: made(seed, PRISMS),
     "blocks with a hole": lambda seed: fine_part("frame", seed),
+    "several boxes": lambda seed: made(seed, ("boxes", "notched box")),
+    "cut corners": lambda seed: made(seed, ("chamfered",)),
 }
 
 ROWS = (
@@ -50,6 +53,11 @@ ROWS = (
     ("prisms", 0.01, 1.2),
     ("blocks with a hole", 0.01, None),
     ("blocks with a hole", 0.01, 2.0),
+    ("several boxes", 0.0, None),
+    ("several boxes", 0.01, None),
+    ("several boxes", 0.01, 2.0),
+    ("cut corners", 0.01, None),
+    ("cut corners", 0.01, 2.0),
 )
 """Kind, jitter, and distance of the eye in sizes; none in a parallel view."""
 
@@ -125,8 +133,8 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=80)
     parser.add_argument("--first", type=int, default=20_000)
     asked = parser.parse_args()
-    print("| visible lines | first guess right | among three | then exact solid first |")
-    print("| --- | --- | --- | --- |")
+    print("| visible lines | first guess right | among three | then exact solid first | no guess |")
+    print("| --- | --- | --- | --- | --- |")
     seeds = range(asked.first, asked.first + asked.count)
     for kind, jitter, distance in ROWS:
         hand = Hand(jitter=jitter, wobble=0.6 * jitter)
@@ -138,7 +146,8 @@ def main() -> None:
         seen = "parallel" if distance is None else f"eye at {distance:g} sizes"
         print(
             f"| {kind}, {100 * jitter:g} % of jitter, {seen} | {share(first)} | {share(three)} "
-            f"| {share([whole for _, whole in found])} |"
+            f"| {share([whole for _, whole in found])} "
+            f"| {share([not right for right, _ in found])} |"
         )
     print("\nAsked: 70 % of prisms among three.")
 
