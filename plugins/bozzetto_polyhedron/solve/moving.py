@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.errors import UserError
 from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
@@ -172,6 +173,32 @@ def as_held(state: PolyhedronState) -> PolyhedronState:
             anchors = tuple(replace(anchor, at=None) for anchor in body.anchors)
             state = state.with_node(replace(body, anchors=anchors))
     return replace(state, selected=chosen)
+
+
+def moving_bodies(state: PolyhedronState, sources: Sources, purpose: str) -> Moving:
+    """Return the machine, which has bodies.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        With bodies that are shown, or none.
+    sources : Sources
+        What other objects hand over.
+    purpose : str
+        What there is nothing to do with, otherwise: "move" or "join".
+
+    Raises
+    ------
+    UserError
+        If nothing is a body yet, with what makes it one.
+    """
+    made = moving(state, sources)
+    if not made.numbers:
+        raise UserError(
+            f"There is nothing to {purpose} yet. Turn a drawing into a solid first; for a linkage, "
+            "choose “Bars, flat as drawn” under “Moves as”."
+        )
+    return made
 
 
 def has_bodies(state: PolyhedronState) -> bool:
