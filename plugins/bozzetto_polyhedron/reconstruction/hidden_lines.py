@@ -26,7 +26,7 @@ from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
 from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
-from bozzetto_polyhedron.reconstruction.soundness import is_sound
+from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
 from bozzetto_polyhedron.reconstruction.visible_regions import (
     Junctions,
     holes_in,
@@ -40,6 +40,12 @@ NEAR: Final = 0.03
 
 UNEXPLAINED: Final = 0.12
 """Share of what was drawn that a guess may leave unexplained."""
+
+OTHERWISE: Final = 0.1
+"""Share of all lines up to which guesses that show them otherwise come before others."""
+
+MOST_OTHERWISE: Final = 0.15
+"""Share of all lines that a guess shows otherwise at most: where the hand trembles, short ones."""
 
 LEAST_SHARE: Final = 0.05
 """Share of the way to a vanishing point below which sides are parallel."""
@@ -162,13 +168,14 @@ def _guessed(
         if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
         seen.append(whole)
-        sound = is_sound(drawing, whole.points, whole.lines, hidden)
-        if sound is False:
+        misfit = seen_otherwise(drawing, whole.points, whole.lines, hidden)
+        if misfit is not None and misfit > MOST_OTHERWISE:
             continue
+        unsure = misfit is None or misfit > OTHERWISE
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
         guess = HiddenLines(places[whole.lines[missing]], unexplained)
-        rank = (way == 2, round(unexplained, 3), sound is None, way, int(missing.sum()))
+        rank = (way == 2, round(unexplained, 3), unsure, way, int(missing.sum()))
         found.append((*rank, guess))
     found.sort(key=lambda each: each[:-1])
     others = sum(not each[0] for each in found)

@@ -1,4 +1,4 @@
-"""Whether a completed drawing can be a solid of which only the visible lines were drawn.
+"""How far a completed drawing is from a solid of which only the visible lines were drawn.
 
 Its faces follow from its lines, but for parts that two corners join, which may be turned over. They
 are planes if depths exist for which all are. Seen from one side or the other, they hide what was
@@ -29,12 +29,9 @@ from bozzetto_polyhedron.reconstruction.visibility import hidden_shares
 UNEVEN: Final = 0.1
 """Singular value up to which faces are planes: right ones have 0.09 at most with 1 % of noise."""
 
-OTHERWISE: Final = 0.1
-"""Share of the length of all lines that may be seen otherwise than it was drawn."""
 
-
-def is_sound(drawing: Drawing, points: Array, lines: Index, hidden: Array) -> bool | None:
-    """Whether a solid can have these lines.
+def seen_otherwise(drawing: Drawing, points: Array, lines: Index, hidden: Array) -> float | None:
+    """Return the share of the length of all lines that a solid shows otherwise than they are drawn.
 
     Parameters
     ----------
@@ -49,25 +46,28 @@ def is_sound(drawing: Drawing, points: Array, lines: Index, hidden: Array) -> bo
 
     Returns
     -------
-    bool or None
-        None where the lines are in several parts, so that they do not tell the faces.
+    float or None
+        1 where no solid has these lines; None where they are in several parts, so that they do not
+        tell the faces.
     """
     neighbors = neighbors_of(lines)
     if len(components(neighbors)) != 1:
         return None
     rings = embedded_faces(neighbors)
+    if rings is None:
+        return 1.0
     whole = replace(drawing, points=points, lines=np.sort(lines, axis=1), light=hidden)
-    return rings is not None and any(_is_seen_so(whole, each) for each in embeddings(rings))
+    return min((_misfit(whole, each) for each in embeddings(rings)), default=1.0)
 
 
-def _is_seen_so(whole: Drawing, rings: Sequence[Ring]) -> bool:
-    """Whether rings lie in planes that hide the light lines, and no others."""
+def _misfit(whole: Drawing, rings: Sequence[Ring]) -> float:
+    """Return that share with these faces, from whichever side; 1 if they lie in no planes."""
     faces = [(ring,) for ring in rings]
     corners = sorted({corner for ring in rings for corner in ring})
     found = affine_depth(whole, parallel_classes(whole), corners, faces)
     if found.residual > UNEVEN:
-        return False
+        return 1.0
     spread = np.std(whole.points) / max(float(np.std(found.depths)), 1e-12)
     lengths = whole.lengths / max(float(whole.lengths.sum()), 1e-12)
     seen = hidden_shares(whole, found.depths * spread, faces)
-    return min(float(lengths @ np.abs(each - whole.light)) for each in seen) <= OTHERWISE
+    return min(float(lengths @ np.abs(each - whole.light)) for each in seen)

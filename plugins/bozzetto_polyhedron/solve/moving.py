@@ -38,6 +38,12 @@ MOST_POSES: Final = 3600
 GRAVITY: Final = 9.81
 """m/s²."""
 
+TO_MOVE: Final = (
+    "Touch a corner of a drawing to turn it into a solid, or choose “Bars, flat as drawn” under "
+    "“Moves as”."
+)
+"""What makes something move where nothing does yet."""
+
 AXES = {"no": None, "x": 0, "y": 1, "z": 2}
 """Axes of the world by what is chosen in the form."""
 
@@ -194,10 +200,7 @@ def moving_bodies(state: PolyhedronState, sources: Sources, purpose: str) -> Mov
     """
     made = moving(state, sources)
     if not made.numbers:
-        raise UserError(
-            f"There is nothing to {purpose} yet. Turn a drawing into a solid first; for a linkage, "
-            "choose “Bars, flat as drawn” under “Moves as”."
-        )
+        raise UserError(f"There is nothing to {purpose} yet. {TO_MOVE}")
     return made
 
 

@@ -21,6 +21,7 @@ from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
 from bozzetto_polyhedron.solve.aiming import corner_spot
 from bozzetto_polyhedron.solve.moving import (
+    TO_MOVE,
     Moving,
     as_held,
     has_bodies,
@@ -108,7 +109,7 @@ class Move(ErasingTool):
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing was turned yet, that."""
         if not has_bodies(state):
-            return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
+            return NextStep(TO_MOVE, tool="turn")
         return NextStep(f"{_freedoms(state)}{self.hint}")
 
 

@@ -16,9 +16,9 @@ from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.model.assign_stroke import new_body
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.drawing import LEAST_NOISE, Drawing, drawing_of
-from bozzetto_polyhedron.reconstruction.hidden_lines import NEAR, hidden_lines
+from bozzetto_polyhedron.reconstruction.hidden_lines import MOST_OTHERWISE, NEAR, hidden_lines
 from bozzetto_polyhedron.reconstruction.outline import outline_of
-from bozzetto_polyhedron.reconstruction.soundness import is_sound
+from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
 from bozzetto_polyhedron.reconstruction.visible_regions import with_passing_lines
 from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
@@ -209,27 +209,33 @@ def whole_picture(name: str, seed: int) -> tuple[LineGraph, np.ndarray, np.ndarr
 
 
 @pytest.mark.parametrize("name", ["box", "L", "stairs", "house", "frustum"])
-def test_a_solid_is_sound_with_its_hidden_lines_and_not_with_others(name: str) -> None:
+def test_a_solid_shows_its_lines_as_drawn_and_not_others(name: str) -> None:
     graph, points, lines, hidden = whole_picture(name, 1)
     drawing = drawing_of(graph)
-    assert is_sound(drawing, points, lines, hidden)
-    assert not is_sound(drawing, points, lines, 1.0 - hidden * 0.5)
+    right = seen_otherwise(drawing, points, lines, hidden)
+    assert right is not None
+    assert right < 0.05
+    swapped = seen_otherwise(drawing, points, lines, 1.0 - hidden)
+    assert swapped is not None
+    assert swapped > MOST_OTHERWISE
     moved = points.copy()
     unseen = np.setdiff1d(np.arange(len(points)), lines[hidden == 0.0])
     moved[unseen[0] if len(unseen) else 0] += (0.25, -0.2)
-    assert not is_sound(drawing, moved, lines, hidden)
+    bent = seen_otherwise(drawing, moved, lines, hidden)
+    assert bent is not None
+    assert bent > MOST_OTHERWISE
 
 
 def test_lines_that_cross_in_every_picture_are_no_solid() -> None:
     graph, points, _, _ = whole_picture("box", 1)
     every = np.array([(a, b) for a in range(5) for b in range(a + 1, 5)])
-    assert is_sound(drawing_of(graph), points[:5], every, np.zeros(10)) is False
+    assert seen_otherwise(drawing_of(graph), points[:5], every, np.zeros(10)) == 1.0
 
 
 def test_lines_in_two_parts_tell_nothing() -> None:
     graph, points, lines, hidden = whole_picture("box", 1)
     both = np.concatenate((points, points + 3.0)), np.concatenate((lines, lines + len(points)))
-    assert is_sound(drawing_of(graph), *both, np.tile(hidden, 2)) is None
+    assert seen_otherwise(drawing_of(graph), *both, np.tile(hidden, 2)) is None
 
 
 def test_an_outline_closes_small_gaps_and_no_large_ones() -> None:
