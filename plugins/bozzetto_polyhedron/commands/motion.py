@@ -14,7 +14,7 @@ from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.mechanism.assembly import Motion
 from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.solve.moving import as_held, kept, moving
+from bozzetto_polyhedron.solve.moving import as_held, kept, moving_bodies
 
 SAME: Final = 0.9
 """Cosine from which on two motions count as the same one."""
@@ -23,9 +23,7 @@ SAME: Final = 0.9
 def swing(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state pushed into the next of its free motions, one extent a second at most."""
     state = as_held(state)
-    made = moving(state, context.sources)
-    if not made.numbers:
-        raise UserError("There is nothing to move yet. Turn a drawing into a solid first.")
+    made = moving_bodies(state, context.sources, "move")
     motion = made.motion(state.moved)
     found = mobility_of(made.machine.assembly, motion)
     if not found.degrees:

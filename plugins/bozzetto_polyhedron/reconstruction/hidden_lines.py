@@ -19,10 +19,14 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.planar_embedding import Ring
+from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.hidden_corners import Whole, with_hidden_corners
 from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
+from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
+from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
 from bozzetto_polyhedron.reconstruction.visible_regions import (
     Junctions,
     holes_in,
@@ -37,8 +41,17 @@ NEAR: Final = 0.03
 UNEXPLAINED: Final = 0.12
 """Share of what was drawn that a guess may leave unexplained."""
 
+OTHERWISE: Final = 0.1
+"""Share of all lines up to which guesses that show them otherwise come before others."""
+
+MOST_OTHERWISE: Final = 0.15
+"""Share of all lines that a guess shows otherwise at most: where the hand trembles, short ones."""
+
 LEAST_SHARE: Final = 0.05
 """Share of the way to a vanishing point below which sides are parallel."""
+
+LEAST_HIDDEN: Final = 0.01
+"""Share of a line that is hidden at least where it goes behind others."""
 
 FEWEST: Final = 3
 """Corners of the least ring."""
@@ -75,14 +88,6 @@ class HiddenLines:
     unexplained: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Whole:
-    """Corners (n, 2) and lines (m, 2) of a whole solid in the picture."""
-
-    points: Array
-    lines: Index
-
-
 def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[HiddenLines, ...]:
     """Guess the lines that are hidden, the guess that explains most of the drawing first.
 
@@ -116,11 +121,11 @@ def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[Hidde
         if len(ring) > FEWEST and not junctions.is_stem[list(ring)].any()
     ]
     view = parallel_view(drawing, camera, faces)
-    found = _guessed(view, junctions, most) if view.perspective > 0.0 else []
+    found = _guessed(view, junctions, faces, most) if view.perspective > 0.0 else []
     plain = ParallelView(
         drawing, drawing.points, np.zeros(2), 0.0, np.zeros(len(drawing.points)), certain=False
     )
-    return tuple(_different(found + _guessed(plain, junctions, most), drawing)[:most])
+    return tuple(_different(found + _guessed(plain, junctions, faces, most), drawing)[:most])
 
 
 def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLines]:
@@ -139,35 +144,54 @@ def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLin
     return kept
 
 
-def _guessed(view: ParallelView, junctions: Junctions, most: int) -> list[HiddenLines]:
+def _guessed(
+    view: ParallelView, junctions: Junctions, faces: Sequence[Rings], most: int
+) -> list[HiddenLines]:
     """Return what may be hidden of a drawing without perspective, as it was drawn."""
     drawing = view.drawing
     reach = NEAR + 3.0 * drawing.noise
+    outline = outline_of(drawing, reach)
     # Much of a prism is a mirror image of something: mirrors are asked where the others end.
     wholes = [
-        *((False, whole) for whole in _extruded(drawing, junctions, reach)),
-        *((False, whole) for whole in _turned(drawing, junctions, reach)),
-        *((True, whole) for whole in _mirrored(drawing, junctions, reach)),
+        *((0, whole) for whole in _extruded(drawing, junctions, reach)),
+        *((0, whole) for whole in _turned(drawing, junctions, reach)),
+        *((1, whole) for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)),
+        *((2, whole) for whole in _mirrored(drawing, junctions, reach)),
     ]
-    found: list[tuple[bool, float, int, HiddenLines]] = []
-    seen: list[_Whole] = []
-    for is_mirrored, whole in wholes:
-        missing, unexplained = _compared(drawing, junctions, whole, reach)
+    found: list[tuple[bool, float, bool, int, int, HiddenLines]] = []
+    seen: list[Whole] = []
+    for way, whole in wholes:
+        hidden, unexplained = _compared(drawing, junctions, whole, reach)
+        missing = hidden > 0.0
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
             continue
+        if not _is_within(whole.points[whole.lines[missing]], outline):
+            continue
         seen.append(whole)
+        misfit = seen_otherwise(drawing, whole.points, whole.lines, hidden)
+        if misfit is not None and misfit > MOST_OTHERWISE:
+            continue
+        unsure = misfit is None or misfit > OTHERWISE
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
         guess = HiddenLines(places[whole.lines[missing]], unexplained)
-        found.append((is_mirrored, round(unexplained, 3), int(missing.sum()), guess))
-    found.sort(key=lambda each: each[:3])
+        rank = (way == 2, round(unexplained, 3), unsure, way, int(missing.sum()))
+        found.append((*rank, guess))
+    found.sort(key=lambda each: each[:-1])
     others = sum(not each[0] for each in found)
     if others < len(found):
         del found[max(1, most - 1) : others]
-    return [each[3] for each in found[:most]]
+    return [each[-1] for each in found[:most]]
 
 
-def _depths(view: ParallelView, whole: _Whole) -> Array:
+def _is_within(ends: Array, outline: Outline) -> bool:
+    """Whether hidden lines, (k, 2, 2), are behind what was drawn."""
+    share = np.linspace(0.0, 1.0, 9)[:, None]
+    places = ends[:, None, 0] + share * (ends[:, None, 1] - ends[:, None, 0])
+    return bool(outline.cover(places.reshape(-1, 2)).all())
+
+
+def _depths(view: ParallelView, whole: Whole) -> Array:
     """Return depths of the corners of a whole, (n,): those drawn keep theirs.
 
     A line rises with its length by the slope of its class; lines along an axis by that of the axis.
@@ -217,7 +241,7 @@ def _classes_of(spans: Array) -> Index:
     return labels
 
 
-def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
     """Return prisms over every visible ring, along every direction of lines that leave it."""
     labels = parallel_classes(drawing).labels
     everything = np.arange(len(labels))
@@ -238,15 +262,15 @@ def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Who
 
 
 def _with_holes(
-    drawing: Drawing, whole: _Whole, holes: Sequence[Ring], step: Array, reach: float
-) -> _Whole:
+    drawing: Drawing, whole: Whole, holes: Sequence[Ring], step: Array, reach: float
+) -> Whole:
     """Return a prism with holes that go through it as far as its sides."""
     points, lines = [whole.points], [whole.lines]
     for ring in holes:
         hole = _prism(drawing, ring, drawing.points[list(ring)] + step, reach)
         lines.append(hole.lines + sum(len(each) for each in points))
         points.append(hole.points)
-    return _Whole(np.concatenate(points), np.concatenate(lines))
+    return Whole(np.concatenate(points), np.concatenate(lines))
 
 
 def _steps(
@@ -295,7 +319,7 @@ def _distinct(steps: Array, reach: float) -> list[Array]:
     return [mean, *far]
 
 
-def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> _Whole:
+def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> Whole:
     """Return the prism between a ring and its far end, (n, 2)."""
     count = len(ring)
     near = drawing.points[list(ring)]
@@ -309,10 +333,10 @@ def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> _
             np.column_stack((here, here + count)),
         )
     )
-    return _Whole(points, lines)
+    return Whole(points, lines)
 
 
-def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
     """Return what was drawn with its image by a half turn, about middles of pairs of corners."""
     points, lines, _ = _without_stems(drawing, junctions)
     first, second = np.triu_indices(len(points), 1)
@@ -324,7 +348,7 @@ def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole
     return [whole for whole in turned if whole is not None]
 
 
-def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[_Whole]:
+def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
     """Return what was drawn with its mirror image, across the lines of each class."""
     points, lines, kept = _without_stems(drawing, junctions)
     labels = parallel_classes(drawing).labels[kept]
@@ -344,7 +368,7 @@ def _without_stems(drawing: Drawing, junctions: Junctions) -> tuple[Array, Index
 
 def _with_images(
     points: Array, lines: Index, images: Array, reach: float, *, across: bool = False
-) -> _Whole | None:
+) -> Whole | None:
     """Return corners and lines with their images; None where a corner has too few lines.
 
     Lines `across` join corners to their images where both have one line too few.
@@ -365,7 +389,7 @@ def _with_images(
         joins = joins[(joins[:, 0] != joins[:, 1]) & (degrees[joins] == 2).all(axis=1)]
         pairs = np.unique(np.concatenate((pairs, joins)), axis=0)
         degrees = np.bincount(pairs.ravel(), minlength=len(corners))
-    return _Whole(corners, pairs) if (degrees >= 3).all() else None
+    return Whole(corners, pairs) if (degrees >= 3).all() else None
 
 
 def _most_common(places: Array, reach: float, most: int = 6) -> Index:
@@ -390,9 +414,12 @@ def _snapped(guessed: Array, drawn: Array, reach: float) -> Array:
 
 
 def _compared(
-    drawing: Drawing, junctions: Junctions, whole: _Whole, reach: float
-) -> tuple[Flags, float]:
-    """Return which lines of a whole were not drawn, (k,), and the share of ink beside it."""
+    drawing: Drawing, junctions: Junctions, whole: Whole, reach: float
+) -> tuple[Array, float]:
+    """Return the share of each line of a whole that was not drawn, (k,), and of ink beside it.
+
+    A line that was drawn from end to end has the share 0 however it was drawn, and others more.
+    """
     starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
     ends = drawing.points[drawing.lines]
     stems = junctions.is_stem[drawing.lines]
@@ -404,8 +431,11 @@ def _compared(
     lengths = drawing.lengths
     whole_lines = ~(stems[:, 0] | stems[:, 1])
     complete = fit & whole_lines[:, None]
-    wanted = long & ~complete.any(0)
-    return wanted, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
+    drawn = ((fit & long) * lengths[:, None]).sum(0) / np.maximum(
+        np.linalg.norm(stops - starts, axis=1), 1e-12
+    )
+    hidden = np.where(long & ~complete.any(0), np.clip(1.0 - drawn, LEAST_HIDDEN, 1.0), 0.0)
+    return hidden, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
 
 
 def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: float) -> Flags:
@@ -420,7 +450,7 @@ def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: fl
     return made
 
 
-def _is_known(whole: _Whole, seen: Sequence[_Whole], reach: float) -> bool:
+def _is_known(whole: Whole, seen: Sequence[Whole], reach: float) -> bool:
     """Whether a guess has the corners of one before."""
     for other in seen:
         if len(other.points) == len(whole.points):

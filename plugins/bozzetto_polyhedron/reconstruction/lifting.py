@@ -81,7 +81,7 @@ def liftings(
         free = {corner for corner, around in part.items() if len(around) == 2}
         turned = [
             _of_rings(drawing, classes, corners, _without_border(each, free), unique=False)
-            for each in _embeddings(rings)
+            for each in embeddings(rings)
         ]
         found = _distinct(sorted(turned, key=lambda each: each.depth.residual))[:MOST_TURNED]
     return _distinct(found + _from_space(drawing, classes, corners))
@@ -96,7 +96,7 @@ def _distinct(found: list[Lifting]) -> list[Lifting]:
     return list(kept.values())
 
 
-def _embeddings(rings: tuple[Ring, ...]) -> list[tuple[Ring, ...]]:
+def embeddings(rings: tuple[Ring, ...]) -> list[tuple[Ring, ...]]:
     """Return the embedding, and those with pieces turned over."""
     pairs = shared_pairs(rings)[:MOST_FLIPS]
     found = []

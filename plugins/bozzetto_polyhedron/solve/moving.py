@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, frozen
+from bozzetto.errors import UserError
 from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
@@ -36,6 +37,12 @@ MOST_POSES: Final = 3600
 
 GRAVITY: Final = 9.81
 """m/s²."""
+
+TO_MOVE: Final = (
+    "Touch a corner of a drawing to turn it into a solid, or choose “Bars, flat as drawn” under "
+    "“Moves as”."
+)
+"""What makes something move where nothing does yet."""
 
 AXES = {"no": None, "x": 0, "y": 1, "z": 2}
 """Axes of the world by what is chosen in the form."""
@@ -172,6 +179,29 @@ def as_held(state: PolyhedronState) -> PolyhedronState:
             anchors = tuple(replace(anchor, at=None) for anchor in body.anchors)
             state = state.with_node(replace(body, anchors=anchors))
     return replace(state, selected=chosen)
+
+
+def moving_bodies(state: PolyhedronState, sources: Sources, purpose: str) -> Moving:
+    """Return the machine, which has bodies.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        With bodies that are shown, or none.
+    sources : Sources
+        What other objects hand over.
+    purpose : str
+        What there is nothing to do with, otherwise: "move" or "join".
+
+    Raises
+    ------
+    UserError
+        If nothing is a body yet, with what makes it one.
+    """
+    made = moving(state, sources)
+    if not made.numbers:
+        raise UserError(f"There is nothing to {purpose} yet. {TO_MOVE}")
+    return made
 
 
 def has_bodies(state: PolyhedronState) -> bool:

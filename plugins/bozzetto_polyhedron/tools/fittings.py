@@ -17,7 +17,7 @@ from bozzetto_polyhedron.mechanism.pieces import TOGETHER, Shape
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Fitting, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.solve.aiming import Aim, aim_at
-from bozzetto_polyhedron.solve.moving import Moving, has_bodies, moving
+from bozzetto_polyhedron.solve.moving import TO_MOVE, Moving, has_bodies, moving, moving_bodies
 from bozzetto_polyhedron.solve.picking import REACH
 from bozzetto_polyhedron.solve.spots import spot_at
 from bozzetto_polyhedron.tools.erase import ErasingTool
@@ -47,9 +47,7 @@ class _JoiningTool(ErasingTool):
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Add what this tool draws, from where each stroke begins to where it ends."""
         for stroke in ink.strokes:
-            made = moving(state, context.sources)
-            if not made.numbers:
-                raise UserError("There is nothing to join yet. Turn a drawing into a solid first.")
+            made = moving_bodies(state, context.sources, "join")
             if state.moved is not None and not self.while_moved:
                 raise UserError(AT_REST)
             begin, end = self._aims(state, made, stroke.camera, stroke.points[[0, -1]])
@@ -84,7 +82,7 @@ class _JoiningTool(ErasingTool):
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing can be joined yet, that."""
         if not has_bodies(state):
-            return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
+            return NextStep(TO_MOVE, tool="turn")
         return NextStep(self.hint)
 
 

@@ -21,6 +21,7 @@ from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
 from bozzetto_polyhedron.solve.aiming import corner_spot
 from bozzetto_polyhedron.solve.moving import (
+    TO_MOVE,
     Moving,
     as_held,
     has_bodies,
@@ -28,6 +29,7 @@ from bozzetto_polyhedron.solve.moving import (
     is_mechanism,
     kept,
     moving,
+    moving_bodies,
     recorded,
 )
 from bozzetto_polyhedron.solve.picking import REACH
@@ -68,7 +70,7 @@ class Move(ErasingTool):
     @override
     def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
         """Hold the corner that is touched where it is, or let it go."""
-        made = _machine(state, context)
+        made = moving_bodies(state, context.sources, "move")
         body, vertex = _nearest(state, made, tap.camera, np.array([tap.x, tap.y]))
         number = made.numbers[body.id]
         vertices = made.machine.shapes[number].vertices
@@ -89,7 +91,7 @@ class Move(ErasingTool):
     ) -> PolyhedronState:
         """Return the state a moment later, pulled by the pen where it holds something."""
         state = as_held(state)
-        made = _machine(state, context)
+        made = moving_bodies(state, context.sources, "move")
         motion = made.motion(state.moved)
         pull, grab = None, None
         if held is not None:
@@ -107,7 +109,7 @@ class Move(ErasingTool):
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing was turned yet, that."""
         if not has_bodies(state):
-            return NextStep("Touch a corner of a drawing to turn it into a solid.", tool="turn")
+            return NextStep(TO_MOVE, tool="turn")
         return NextStep(f"{_freedoms(state)}{self.hint}")
 
 
@@ -122,13 +124,6 @@ def _freedoms(state: PolyhedronState) -> str:
     if degrees == 0:
         return "Its motor moves all of it: play. " if made.is_driven else "Nothing of it is free. "
     return f"It can move in {degrees} way{'s' if degrees > 1 else ''}. "
-
-
-def _machine(state: PolyhedronState, context: Context) -> Moving:
-    made = moving(state, context.sources)
-    if not made.numbers:
-        raise UserError("There is nothing to move yet. Turn a drawing into a solid first.")
-    return made
 
 
 def _grabbed(state: PolyhedronState, made: Moving, held: Drag) -> Grab:

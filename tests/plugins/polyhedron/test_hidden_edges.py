@@ -15,8 +15,10 @@ from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.model.assign_stroke import new_body
 from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.reconstruction.drawing import LEAST_NOISE, drawing_of
-from bozzetto_polyhedron.reconstruction.hidden_lines import NEAR, hidden_lines
+from bozzetto_polyhedron.reconstruction.drawing import LEAST_NOISE, Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.hidden_lines import MOST_OTHERWISE, NEAR, hidden_lines
+from bozzetto_polyhedron.reconstruction.outline import outline_of
+from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
 from bozzetto_polyhedron.reconstruction.visible_regions import with_passing_lines
 from bozzetto_polyhedron.solve.pipeline import solved
 from tests.plugins.polyhedron.figures_hidden_lines import drawing, outcome, visible_lines
@@ -30,6 +32,7 @@ from tests.plugins.polyhedron.objects import (
     View,
     box,
     frustum,
+    made,
     polyhedron_of,
     view,
 )
@@ -131,6 +134,120 @@ def test_a_hole_through_the_visible_face_is_completed(seed: int, distance: float
         }
         complete.append(away.min(1).max() < SNAPPED * SIZE and hidden <= found <= edges)
     assert any(complete)
+
+
+def guessed_pairs(seen: View, graph: LineGraph) -> list[set[tuple[int, int]] | None]:
+    """The lines of each guess as pairs of corners of the solid; None where a corner is none."""
+    corners = seen.plane * (1.0, -1.0) * SIZE
+    found: list[set[tuple[int, int]] | None] = []
+    for guess in hidden_lines(graph, CAMERA):
+        away = np.linalg.norm(guess.ends.reshape(-1, 1, 2) - corners, axis=2)
+        one, two = np.sort(away.argmin(1).reshape(-1, 2), axis=1).T.tolist()
+        known = away.min(1).max() < SNAPPED * SIZE
+        found.append(set(zip(one, two, strict=True)) if known else None)
+    return found
+
+
+def of_boxes(seeds: range) -> list[tuple[View, LineGraph]]:
+    solids = [(seed, made(seed, ("boxes", "notched box"))) for seed in seeds]
+    return [seen_graph(solid, seed) for seed, solid in solids if view(solid, seed) is not None]
+
+
+def test_hidden_corners_of_several_boxes_are_those_of_the_solid() -> None:
+    right = []
+    for seen, graph in of_boxes(range(700, 714)):
+        edges = {tuple(sorted(pair)) for pair in seen.solid.edges.tolist()}
+        hidden = {
+            tuple(sorted(pair))
+            for pair, share in zip(seen.solid.edges.tolist(), seen.hidden, strict=True)
+            if share == 1.0
+        }
+        found = guessed_pairs(seen, graph)
+        right.append(bool(found and found[0] is not None and hidden <= found[0] <= edges))
+    assert len(right) > 10
+    assert np.mean(right) >= 0.7
+
+
+def test_no_hidden_line_leaves_the_drawing() -> None:
+    solids = [(seed, made(seed)) for seed in range(720, 735)]
+    graphs = [seen_graph(each, seed)[1] for seed, each in solids if view(each, seed) is not None]
+    for graph in graphs:
+        drawing = drawing_of(graph)
+        outline = outline_of(drawing, SNAPPED)
+        for guess in hidden_lines(graph, CAMERA):
+            ends = (guess.ends - drawing.center) / drawing.diagonal * (1.0, -1.0)
+            share = np.linspace(0.0, 1.0, 7)[:, None]
+            places = ends[:, None, 0] + share * (ends[:, None, 1] - ends[:, None, 0])
+            assert outline.cover(places.reshape(-1, 2)).all()
+
+
+def test_the_order_of_corners_and_lines_changes_no_guess() -> None:
+    rng = np.random.default_rng(5)
+    for seen, graph in of_boxes(range(714, 719)):
+        turn = rng.permutation(len(graph.places))
+        lines = np.sort(np.argsort(turn)[graph.lines], axis=1)[rng.permutation(len(graph.lines))]
+        other = replace(graph, places=graph.places[turn], lines=lines)
+        first, again = guessed_pairs(seen, graph), guessed_pairs(seen, other)
+        assert first[:1] == again[:1]
+
+
+def whole_picture(name: str, seed: int) -> tuple[LineGraph, np.ndarray, np.ndarray, np.ndarray]:
+    """The visible lines of a solid without cut ones, all its corners and lines, what is hidden."""
+    seen = view(OBJECTS[name], seed)
+    assert seen is not None
+    hidden = (seen.hidden == 1.0).astype(float)
+    drawn = np.sort(seen.solid.edges[hidden == 0.0], axis=1)
+    used, numbers = np.unique(drawn, return_inverse=True)
+    places = seen.plane * (1.0, -1.0) * SIZE
+    count = len(drawn)
+    strokes = tuple((k,) for k in range(count))
+    lines = numbers.reshape(-1, 2)
+    graph = LineGraph(places[used], lines, np.zeros(count), strokes, (), 0.1, ())
+    drawing = drawing_of(graph)
+    points = (places - drawing.center) / drawing.diagonal * (1.0, -1.0)
+    return graph, points, np.sort(seen.solid.edges, axis=1), hidden
+
+
+@pytest.mark.parametrize("name", ["box", "L", "stairs", "house", "frustum"])
+def test_a_solid_shows_its_lines_as_drawn_and_not_others(name: str) -> None:
+    graph, points, lines, hidden = whole_picture(name, 1)
+    drawing = drawing_of(graph)
+    right = seen_otherwise(drawing, points, lines, hidden)
+    assert right is not None
+    assert right < 0.05
+    swapped = seen_otherwise(drawing, points, lines, 1.0 - hidden)
+    assert swapped is not None
+    assert swapped > MOST_OTHERWISE
+    moved = points.copy()
+    unseen = np.setdiff1d(np.arange(len(points)), lines[hidden == 0.0])
+    moved[unseen[0] if len(unseen) else 0] += (0.25, -0.2)
+    bent = seen_otherwise(drawing, moved, lines, hidden)
+    assert bent is not None
+    assert bent > MOST_OTHERWISE
+
+
+def test_lines_that_cross_in_every_picture_are_no_solid() -> None:
+    graph, points, _, _ = whole_picture("box", 1)
+    every = np.array([(a, b) for a in range(5) for b in range(a + 1, 5)])
+    assert seen_otherwise(drawing_of(graph), points[:5], every, np.zeros(10)) == 1.0
+
+
+def test_lines_in_two_parts_tell_nothing() -> None:
+    graph, points, lines, hidden = whole_picture("box", 1)
+    both = np.concatenate((points, points + 3.0)), np.concatenate((lines, lines + len(points)))
+    assert seen_otherwise(drawing_of(graph), *both, np.tile(hidden, 2)) is None
+
+
+def test_an_outline_closes_small_gaps_and_no_large_ones() -> None:
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    for gap, closed in ((0.02, True), (0.3, False)):
+        places = np.concatenate((square, [(0.0, gap)]))
+        lines = np.array([(0, 1), (1, 2), (2, 3), (3, 4)])
+        drawing = Drawing(places, lines, np.zeros(4), 0.002, np.zeros(2), 1.0)
+        outline = outline_of(drawing, 0.02)
+        assert outline.covers(np.array((0.5, 0.5))) is closed
+        assert outline.covers(np.array((0.5, 0.01)))
+        assert not outline.covers(np.array((1.1, 0.5)))
 
 
 def test_a_line_that_ends_where_two_go_straight_on_goes_behind_them() -> None:
@@ -238,3 +355,27 @@ def test_a_drawing_that_tells_nothing_is_refused_with_advice() -> None:
     state = new_body(PolyhedronState(), strokes[:2])
     with pytest.raises(UserError, match="Draw one face"):
         draw_hidden_edges(state, Context())
+
+
+def refusal(strokes: tuple[Stroke, ...]) -> str:
+    state = new_body(PolyhedronState(), strokes)
+    with pytest.raises(UserError) as told:
+        draw_hidden_edges(state, Context())
+    return str(told.value)
+
+
+def test_where_nothing_is_guessed_the_reason_is_told() -> None:
+    seen = view(OBJECTS["L"], 3)
+    assert seen is not None
+    places, edges = seen.plane * (1.0, -1.0), [(int(a), int(b)) for a, b in seen.solid.edges]
+    assert "No edge is missing" in refusal(strokes_of(places, edges, STEADY, 1))
+    zigzag = np.array([(0.0, 0.0), (0.5, 0.1), (0.1, 0.3), (0.6, 0.4), (0.0, 0.6), (0.5, 0.9)])
+    rows = [(k, k + 1) for k in range(5)]
+    assert "ends alone" in refusal(strokes_of(zigzag, rows, STEADY, 1))
+    places, lines = visible_lines(seen)
+    turn = np.linspace(0.0, 5.0, 40)
+    arc = strokes_of(places, lines[:-3], STEADY, 1)
+    ring = Stroke(
+        400.0 + 90.0 * np.cos(turn), 300.0 + 60.0 * np.sin(turn), arc[0].camera, group=arc[0].group
+    )
+    assert "curved" in refusal((*arc, ring))
