@@ -71,7 +71,8 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
     """Return a network without corners of patches that are wider than an angle; nodes stay.
 
     The tangents of both edges turn to the inside of the patch, by half of what is too much, or one
-    of them by all of it where the other is smooth over the corner and so belongs to a chain.
+    of them by all of it where the other is smooth over the corner and so belongs to a chain. An
+    edge between two such corners takes the sum of both turns, so that lines stay continuous.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
     """
     template = network.template
     held = {end for joint in junctions(template) for end in (joint.before, joint.after)}
-    changed: dict[tuple[int, int], Array] = {}
+    moves: dict[tuple[int, int], Array] = {}
     for patch in template.patches:
         if patch.name.endswith(".L"):
             continue
@@ -95,15 +96,17 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
             ends = [_end_at(patch.edges[number]), _end_at(~patch.edges[number - 1])]
             ways = [_leaving(network, end) for end in ends]
             opening = inside_angle(ways[0], ways[1], normal)
-            free = [k for k in (0, 1) if ends[k] not in held and ends[k] not in changed]
+            free = [k for k in (0, 1) if ends[k] not in held]
             if not widest < opening < most or not free:
                 continue
             inside = places[(number + 2) % 4] - places[number]
             turn = np.radians(opening - widest) / len(free)
             for k in free:
-                turned = _turned(ways[k], inside, turn)
-                changed[ends[k]] = turned if ends[k][1] == 0 else -turned
-    return with_tangents(network, changed)
+                move = _turned(ways[k], inside, turn) - ways[k]
+                moves[ends[k]] = moves.get(ends[k], 0.0) + (move if ends[k][1] == 0 else -move)
+    sizes = {end: np.linalg.norm(network.tangents[end]) for end in moves}
+    turned = {end: sizes[end] * _units(network.tangents[end] + by) for end, by in moves.items()}
+    return with_tangents(network, turned)
 
 
 def _end_at(edge: int) -> tuple[int, int]:
@@ -118,7 +121,9 @@ def _leaving(network: Network, end: tuple[int, int]) -> Array:
 
 
 def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
-    """Return the angle inside a corner of a patch, 0 to 360 degrees; above 180 it is bent in.
+    """Return the angle inside a corner of a patch seen along its normal, 0 to 360 degrees.
+
+    Above 180 degrees the patch is bent in there.
 
     Parameters
     ----------
@@ -128,9 +133,10 @@ def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
     normal : (3,) float
         Normal of the patch, outward.
     """
-    across = cross_product(ahead, back)
-    angle = float(np.degrees(np.arctan2(np.linalg.norm(across), ahead @ back)))
-    return angle if across @ normal >= 0.0 else 360.0 - angle
+    ahead, back = (way * (normal @ normal) - (way @ normal) * normal for way in (ahead, back))
+    size = max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+    sine = cross_product(ahead, back) @ normal / size
+    return float(np.degrees(np.arctan2(sine, ahead @ back)) % 360.0)
 
 
 def _turned(way: Array, toward: Array, angle: float) -> Array:
