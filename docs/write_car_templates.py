@@ -18,15 +18,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto_car.body.chain_smoothing import lock_ratios, smooth_chains
-from bozzetto_car.body.fair_lines import crested, opened, straightened, turned_with_chords
+from bozzetto_car.body.fair_lines import (
+    STRAIGHT,
+    crested,
+    double_bends,
+    opened,
+    turned_with_chords,
+)
 from bozzetto_car.template.loader import bundled_file, read_template
 from bozzetto_car.template.model import Template
-from bozzetto_car.template.network import Network, with_tangents
+from bozzetto_car.template.network import Network, junctions, with_tangents
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 FOLDER: Final = Path(__file__).parents[1] / "plugins/bozzetto_car/templates"
+
+STRAIGHTENINGS: Final = 4
+"""Most rounds: one edge that is straightened may bend its neighbour twice."""
 
 DECIMALS: Final = 4
 """Decimals of tangents, mm: a chain that is smooth stays so to 1e-7."""
@@ -276,13 +285,48 @@ def template_of(name: str) -> bytes:
 def shaped(base: Template, kind: Kind) -> Network:
     """Return the network of a kind: fair lines through its nodes, and smooth surfaces."""
     places = np.array([placed(name, kind) for name in base.names], float)
-    network = opened(crested(straightened(smooth_chains(turned_with_chords(base, places)))))
+    network = opened(crested(with_straight_edges(smooth_chains(turned_with_chords(base, places)))))
     given: dict[tuple[int, int], Array] = {}
     for key, tangents in kind.tangents.items():
         edge, sense = found(base, key)
         ends = tangents if sense > 0 else tangents[::-1]
         given |= {(edge, end): sense * np.array(ends[end], float) for end in (0, 1)}
     return lock_ratios(smooth_chains(with_tangents(network, given)))
+
+
+def with_straight_edges(network: Network) -> Network:
+    """Return a network whose edges that bend twice run straight, and their neighbours along them.
+
+    Unlike `fair_lines.straightened` it is not continuous in the nodes, and leaves exact straight
+    lines: those of a template are designed.
+    """
+    at = {
+        end: joint for joint in junctions(network.template) for end in (joint.before, joint.after)
+    }
+    for _ in range(STRAIGHTENINGS):
+        bends = double_bends(network)
+        bad = np.flatnonzero(bends > STRAIGHT)
+        if not len(bad):
+            break
+        changed: dict[tuple[int, int], Array] = {}
+        for edge in bad[np.argsort(-bends[bad], kind="stable")].tolist():
+            start, finish = network.ends[edge]
+            way = (finish - start) / np.linalg.norm(finish - start)
+            for end in (0, 1):
+                joint = at.get((edge, end))
+                if joint is not None and joint.crosses:
+                    continue
+                together = {(edge, end): 1}
+                if joint is not None:
+                    together = dict(zip((joint.before, joint.after), joint.senses, strict=True))
+                if together.keys() & (changed.keys()):
+                    continue
+                own = together[edge, end]
+                for other, sense in together.items():
+                    length = np.linalg.norm(network.tangents[other])
+                    changed[other] = sense * own * length * way
+        network = with_tangents(network, changed)
+    return network
 
 
 def placed(name: str, kind: Kind) -> Point:

@@ -3,23 +3,25 @@
 Tangents of the template, in mm, on nodes that have moved bend most edges twice. Here an edge turns
 relative to its chord as it does in the template: its tangents are turned and stretched with the
 chord. Chains are then annealed (`chain_smoothing.anneal`). An edge that still bends to both sides
-lies where a row of nodes zigzags, which is the tremor of marks; it runs straight along its chord,
-and its neighbours leave it in that direction. Where the template's line is level at its highest
-node, such as that of the roof, it stays so, and rises no higher beside it. Last, corners of patches
-in which two edges have come to run in one line are opened, for the surface would have no normal
-there.
+lies where a row of nodes zigzags, which is the tremor of marks; what it turns to both sides is
+taken from it, and its neighbours turn with it. That is continuous in the places of the nodes: an
+edge that has just come to bend twice hardly changes, so that no line leaps while a mark is dragged.
+Where the template's line is level at its highest node, such as that of the roof, it stays so, and
+rises no higher beside it. Last, corners of patches in which two edges have come to run in one line
+are opened, for the surface would have no normal there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array, cross_product
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_car.body.chain_smoothing import anneal
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import EdgeJunction, Network, junctions, with_tangents
@@ -42,8 +44,14 @@ STEEPEST: Final = 2.5
 From 3 on the edge would pass above the crest (Fritsch & Carlson, *Monotone piecewise cubic
 interpolation*, 1980); the rest is room for tangents that the lock of ratios makes longer."""
 
-ROUNDS: Final = 4
-"""Most rounds of straightening: one edge that is straightened may bend its neighbour twice."""
+ROUNDS: Final = 40
+"""Most rounds of straightening: an edge that is straightened may bend its neighbour twice. Three to
+eight are usual."""
+
+BEYOND: Final = 1.5
+"""What is taken from an edge that bends twice, relative to what would just do. Where two such edges
+share a joint, neither gets all that it wants, and with 1 they would come to it in ever shorter
+steps."""
 
 
 def fair_network(template: Template, positions: ArrayLike) -> Network:
@@ -63,7 +71,8 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
     """Return a network without corners of patches that are wider than an angle; nodes stay.
 
     The tangents of both edges turn to the inside of the patch, by half of what is too much, or one
-    of them by all of it where the other is smooth over the corner and so belongs to a chain.
+    of them by all of it where the other is smooth over the corner and so belongs to a chain. An
+    edge between two such corners takes the sum of both turns, so that lines stay continuous.
 
     Parameters
     ----------
@@ -76,7 +85,7 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
     """
     template = network.template
     held = {end for joint in junctions(template) for end in (joint.before, joint.after)}
-    changed: dict[tuple[int, int], Array] = {}
+    moves: dict[tuple[int, int], Array] = {}
     for patch in template.patches:
         if patch.name.endswith(".L"):
             continue
@@ -87,15 +96,17 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
             ends = [_end_at(patch.edges[number]), _end_at(~patch.edges[number - 1])]
             ways = [_leaving(network, end) for end in ends]
             opening = inside_angle(ways[0], ways[1], normal)
-            free = [k for k in (0, 1) if ends[k] not in held and ends[k] not in changed]
+            free = [k for k in (0, 1) if ends[k] not in held]
             if not widest < opening < most or not free:
                 continue
             inside = places[(number + 2) % 4] - places[number]
             turn = np.radians(opening - widest) / len(free)
             for k in free:
-                turned = _turned(ways[k], inside, turn)
-                changed[ends[k]] = turned if ends[k][1] == 0 else -turned
-    return with_tangents(network, changed)
+                move = _turned(ways[k], inside, turn) - ways[k]
+                moves[ends[k]] = moves.get(ends[k], 0.0) + (move if ends[k][1] == 0 else -move)
+    sizes = {end: np.linalg.norm(network.tangents[end]) for end in moves}
+    turned = {end: sizes[end] * _units(network.tangents[end] + by) for end, by in moves.items()}
+    return with_tangents(network, turned)
 
 
 def _end_at(edge: int) -> tuple[int, int]:
@@ -110,7 +121,9 @@ def _leaving(network: Network, end: tuple[int, int]) -> Array:
 
 
 def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
-    """Return the angle inside a corner of a patch, 0 to 360 degrees; above 180 it is bent in.
+    """Return the angle inside a corner of a patch seen along its normal, 0 to 360 degrees.
+
+    Above 180 degrees the patch is bent in there.
 
     Parameters
     ----------
@@ -120,9 +133,10 @@ def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
     normal : (3,) float
         Normal of the patch, outward.
     """
-    across = cross_product(ahead, back)
-    angle = float(np.degrees(np.arctan2(np.linalg.norm(across), ahead @ back)))
-    return angle if across @ normal >= 0.0 else 360.0 - angle
+    ahead, back = (way * (normal @ normal) - (way @ normal) * normal for way in (ahead, back))
+    size = max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+    sine = cross_product(ahead, back) @ normal / size
+    return float(np.degrees(np.arctan2(sine, ahead @ back)) % 360.0)
 
 
 def _turned(way: Array, toward: Array, angle: float) -> Array:
@@ -179,7 +193,13 @@ def double_bends(network: Network) -> Array:
 
 
 def straightened(network: Network, held: Collection[tuple[int, int]] = ()) -> Network:
-    """Return a network without edges that bend twice: those run straight; lengths stay.
+    """Return a network without edges that bend twice; lengths of tangents stay.
+
+    The turns u and v at the ends of an edge, vectors across its chord, have a common part
+    a = (u + v) / 2 and a rest b = (u - v) / 2, and u · v = a² - b². Where that is positive a is
+    made shorter than b, so that u · v is not; an edge that turns equally at both ends is straight.
+    At u · v = 0 nothing changes, so that the lines are continuous in the nodes. Where one end is
+    held, what the other one has of its turn goes; that is not continuous where the held turn is 0.
 
     Joints of chains keep one direction, so a neighbour in a chain turns with it. Where a chain
     crosses the middle it does so at a right angle, as before.
@@ -189,35 +209,90 @@ def straightened(network: Network, held: Collection[tuple[int, int]] = ()) -> Ne
     network : Network
         A network whose chains have one direction at each junction.
     held : collection of (edge, end)
-        Tangents that stay; an edge with one runs straight at its other end only.
+        Tangents that stay.
     """
-    at = {
-        end: joint for joint in junctions(network.template) for end in (joint.before, joint.after)
-    }
+    joined = _joined(network.template)
+    at_joint, senses = joined.at, joined.senses
+    stays = joined.crosses.copy()
+    for end in held:
+        stays[at_joint == at_joint[end]] = True
+    chords = network.ends[:, 1] - network.ends[:, 0]
+    lengths = np.linalg.norm(network.tangents, axis=2, keepdims=True)
+    ways, begun = _units(chords), _units(network.tangents)
+    now = begun
     for _ in range(ROUNDS):
-        bends = double_bends(network)
-        bad = np.flatnonzero(bends > STRAIGHT)
+        turns = cross_product(ways[:, None], now)
+        bad = np.flatnonzero((turns[:, 0] * turns[:, 1]).sum(axis=1) > STRAIGHT)
         if not len(bad):
             break
-        changed: dict[tuple[int, int], Array] = {}
-        for edge in bad[np.argsort(-bends[bad], kind="stable")].tolist():
-            start, finish = network.ends[edge]
-            way = (finish - start) / np.linalg.norm(finish - start)
-            for end in (0, 1):
-                joint = at.get((edge, end))
-                if joint is not None and joint.crosses:
-                    continue
-                together = {(edge, end): 1}
-                if joint is not None:
-                    together = dict(zip((joint.before, joint.after), joint.senses, strict=True))
-                if together.keys() & (changed.keys() | set(held)):
-                    continue
-                own = together[edge, end]
-                for other, sense in together.items():
-                    length = np.linalg.norm(network.tangents[other])
-                    changed[other] = sense * own * length * way
-        network = with_tangents(network, changed)
-    return network
+        still, way = stays[bad, :, None], ways[bad, None]
+        turned = _bent_once(turns[bad], still)
+        ahead = np.sqrt(np.maximum(1.0 - (turned**2).sum(axis=2, keepdims=True), 0.0))
+        wanted = ahead * way + cross_product(turned, way)
+        change = np.where(still, 0.0, senses[bad] * (wanted - now[bad]))
+        sums = np.zeros((at_joint.size, 3))
+        np.add.at(sums, at_joint[bad].ravel(), change.reshape(-1, 3))
+        moved = sums[at_joint]
+        now = np.where((moved != 0.0).any(axis=2, keepdims=True), _units(now + senses * moved), now)
+    changed = np.argwhere((now != begun).any(axis=2)).tolist()
+    ends = {(edge, end): lengths[edge, end] * now[edge, end] for edge, end in changed}
+    return with_tangents(network, ends) if ends else network
+
+
+def _bent_once(turns: Array, still: Flags) -> Array:
+    """Return the turns (k, 2, 3) of edges that bend twice without what they turn to both sides.
+
+    The ends that stay, (k, 2, 1), have their turns from then on, too.
+    """
+    first, last = turns[:, 0], turns[:, 1]
+    common, rest = 0.5 * (first + last), 0.5 * (first - last)
+    sizes = [np.linalg.norm(part, axis=1, keepdims=True) for part in (common, rest)]
+    common = common * np.maximum(1.0 - BEYOND * (1.0 - sizes[1] / sizes[0]), 0.0)
+    free = np.stack((common + rest, common - rest), axis=1)
+    others = turns[:, ::-1]
+    product = (first * last).sum(axis=1)[:, None, None]
+    squares = np.maximum((others**2).sum(axis=2, keepdims=True), np.finfo(float).tiny)
+    beside_held = turns - BEYOND * product / squares * others
+    return np.where(still.any(axis=1, keepdims=True), np.where(still, turns, beside_held), free)
+
+
+def _units(ways: Array) -> Array:
+    """Return vectors (…, 3) with length 1; 0 where they have none."""
+    sizes = np.linalg.norm(ways, axis=-1, keepdims=True)
+    return np.asarray(ways / np.where(sizes > 0.0, sizes, 1.0))
+
+
+@dataclass(frozen=True)
+class _Joined:
+    """Which ends of edges keep one direction.
+
+    Attributes
+    ----------
+    at : (m, 2) int
+        A number that both ends at a smooth joint have, and no others.
+    senses : (m, 2, 1) float
+        1 where an edge runs along with its chain, -1 where it runs against it.
+    crosses : (m, 2) bool
+        Ends at which a chain crosses the middle.
+    """
+
+    at: Index
+    senses: Array
+    crosses: Flags
+
+
+@lru_cache(maxsize=KNOWN)
+def _joined(template: Template) -> _Joined:
+    count = len(template.edges)
+    at, senses = np.arange(2 * count).reshape(count, 2), np.ones((count, 2, 1))
+    crosses = np.zeros((count, 2), bool)
+    for joint in junctions(template):
+        if joint.crosses:
+            crosses[joint.before] = crosses[joint.after] = True
+            continue
+        at[joint.after] = at[joint.before]
+        senses[joint.before], senses[joint.after] = joint.senses
+    return _Joined(at, senses, crosses)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -144,3 +144,18 @@ def test_the_highest_point_of_the_roof_stays_the_highest(name: str) -> None:
             assert points.max() <= heights[1] + 0.01
             judged += 1
     assert judged >= 10
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_lines_do_not_leap_while_nodes_move(name: str) -> None:
+    """In small steps from one car to another a handle moves a few times as far as a node."""
+    template = bundled(name)
+    for seed in range(2):
+        begin, end = trembling(template, seed), trembling(template, seed + 100)
+        step = (end - begin) / 200.0
+        farthest = np.linalg.norm(step, axis=1).max()
+        made = [fair_network(template, begin + number * step) for number in range(40)]
+        points = np.array([one.control_points for one in made])
+        moves = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+        assert farthest < 2.0
+        assert moves.max() <= 3.0 * farthest
