@@ -207,7 +207,7 @@ class Selection(Part):
 class Toolbox(Part):
     modeler_changed = Signal()
     tool_changed = Signal()
-    recorded = "take_modeler take_tool"
+    recorded = "take_modeler take_tool hold"
 
     def __init__(self, *given: Any, **values: Any) -> None:
         super().__init__(*given, **values)

@@ -447,6 +447,7 @@ class Canvas(QWidget):
 
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode
+        self._session.toolbox.hold(mode.records)
         if mode not in (Mode.IDLE, Mode.CHOOSING):
             self.menu.close_menu()
         self._show_next_place()
@@ -508,12 +509,16 @@ class Canvas(QWidget):
         self.hand.hovering.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and (self.hand.cancel() or self._session.escape()):
-            return
+        again = event.isAutoRepeat()
+        if event.key() == Qt.Key.Key_Escape and (
+            again or self.hand.cancel() or self._session.escape()
+        ):
+            return  # held on after it dropped a stroke, it must not drop the waiting ink as well
         if event.key() == Qt.Key.Key_Space:
             self.hand.space_held = True
         elif event.key() == Qt.Key.Key_Q and not event.modifiers():
-            self.open_menu()
+            if not again:
+                self.open_menu()
         else:
             super().keyPressEvent(event)
 

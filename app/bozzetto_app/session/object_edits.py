@@ -14,6 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.workbench.links import with_sources
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class ObjectEdits:
             return
         try:
             if model.locked:
-                raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
+                raise UserError(why_locked())
             changed = self._workbench.set_parameters(model, {name: value})
             document = self._drawing.document.with_model(changed)
         except (UserError, PluginFault) as problem:
