@@ -207,11 +207,14 @@ class Selection(Part):
 class Toolbox(Part):
     modeler_changed = Signal()
     tool_changed = Signal()
-    recorded = "take_modeler take_tool hold"
+    recorded = "take_modeler take_tool"
 
     def __init__(self, *given: Any, **values: Any) -> None:
         super().__init__(*given, **values)
         self.last_used: dict[str, str] = {}
+
+    def hold(self, held: bool) -> None:
+        """Every end of a gesture calls it."""
 
     @property
     def groups(self) -> tuple[tool_groups.ToolGroup, ...]:

@@ -247,6 +247,7 @@ class Canvas(QWidget):
         self._session.view.covered = left
         self.empty_hint.left = self.light.left = left
         self.empty_hint.update()
+        self._place_cube()
         self.light.lie_on(self.rect())
         self.pace_badge.lie_on(self.rect())
         self.thickness_scale.lie_on(self.rect(), left)
@@ -466,7 +467,7 @@ class Canvas(QWidget):
         self.viewports.set_geometry(self.rect())
         self.overlay.setGeometry(self.rect())
         self.empty_hint.setGeometry(self.rect())
-        self.cube.move(self.width() - self.cube.width() - CUBE_MARGIN, CUBE_MARGIN)
+        self._place_cube()
         self.light.lie_on(self.rect())
         self.pace_badge.lie_on(self.rect())
         self.thickness_scale.lie_on(self.rect(), self.light.left)
@@ -475,6 +476,12 @@ class Canvas(QWidget):
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         if camera.viewport != size:
             self._session.view.set_camera(camera.with_viewport(*size))
+
+    def _place_cube(self) -> None:
+        """Put the cube at the upper right, or away where something else covers its place."""
+        left = self.width() - self.cube.width() - CUBE_MARGIN
+        self.cube.move(left, CUBE_MARGIN)
+        self.cube.setVisible(left >= self.empty_hint.left)
 
     def tabletEvent(self, event: QTabletEvent) -> None:
         self.hand.tablet(event)

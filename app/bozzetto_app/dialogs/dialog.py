@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSize, Qt
+from functools import partial
+
+from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from bozzetto_app.style.theme import FRAME
 from bozzetto_app.toolkit.panel_scroll import PanelScroll
+from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 __all__ = ["Page", "label", "quiet"]
 
@@ -40,7 +43,8 @@ def quiet(words: str) -> QLabel:
 class Page(QDialog):
     """A dialog with a column to fill and a row of buttons.
 
-    On a screen that is too low for it the column is scrolled, so that the buttons are in reach.
+    On a screen that is too low for it the column is scrolled, so that the buttons are in reach, and
+    what must be seen before one is pressed is in sight.
 
     Parameters
     ----------
@@ -48,6 +52,11 @@ class Page(QDialog):
         Object name.
     title : str
         Of the window.
+
+    Attributes
+    ----------
+    in_sight : list of QWidget
+        Those in the column that lie above the buttons where the column is scrolled.
     """
 
     def __init__(self, name: str, title: str, parent: QWidget | None = None) -> None:
@@ -61,6 +70,8 @@ class Page(QDialog):
         self.column = QVBoxLayout()
         self.column.setSpacing(12)
         outer.addLayout(self.column, 1)
+        self.in_sight: list[QWidget] = []
+        self._pressed: list[QPushButton] = []
         self._buttons = QHBoxLayout()
         self._buttons.setSpacing(8)
         self._buttons.addStretch(1)
@@ -72,6 +83,7 @@ class Page(QDialog):
         button.setDefault(default)
         button.setAutoDefault(default)
         self._buttons.addWidget(button)
+        self._pressed.append(button)
         return button
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -79,8 +91,15 @@ class Page(QDialog):
         outer = self.layout()
         if outer is not None and outer.totalMinimumSize().height() > free.height():
             self._scroll()
+            self.resize(self.size().expandedTo(outer.totalMinimumSize()))
         self.resize(self.size().boundedTo(free))
         super().showEvent(event)
+
+    def bring_into_sight(self, widget: QWidget) -> None:
+        """Scroll the column, if it is scrolled, so far that something in it can be seen."""
+        for area in self.findChildren(PanelScroll):
+            if area.isAncestorOf(widget):
+                QTimer.singleShot(0, widget, partial(area.ensureWidgetVisible, widget))
 
     def _scroll(self) -> None:
         """Put the column into an area that is scrolled."""
@@ -92,6 +111,19 @@ class Page(QDialog):
         self.column.setContentsMargins(0, 0, 8, 0)
         inner.setLayout(self.column)
         area.setWidget(inner)
-        area.setMinimumWidth(inner.minimumSizeHint().width() + area.verticalScrollBar().width())
+        for widget in inner.findChildren(QWidget):
+            widget.ensurePolished()  # its letters may be larger in the style of this window
+        self.column.activate()
+        bar = area.verticalScrollBar().sizeHint().width()
+        area.setMinimumWidth(inner.minimumSizeHint().width() + bar)
         outer.insertWidget(0, area, 1)
+        for number, widget in enumerate(self.in_sight, 1):
+            self.column.removeWidget(widget)
+            outer.insertWidget(number, widget)
         outer.activate()
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        put_in_tab_order(self, (inner, *self._pressed))
+        for widget in inner.findChildren(QWidget):
+            if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and widget.isEnabled():
+                widget.setFocus()
+                break

@@ -73,6 +73,7 @@ class HandoverDialog(Page):
         self.state.setMinimumHeight(54)
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.column.addWidget(self.state)
+        self.in_sight.append(self.state)
         self.warning = label("", tone="warning")
         self.warning.hide()
         self.column.addWidget(self.warning)
@@ -279,6 +280,8 @@ class HandoverDialog(Page):
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
+        if seen.warnings:
+            self.bring_into_sight(self.warning)
         self.go.setEnabled(True)
 
     def showEvent(self, event: QShowEvent) -> None:
