@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
@@ -95,16 +93,15 @@ class Page(QDialog):
         self.resize(self.size().boundedTo(free))
         super().showEvent(event)
 
-    def bring_into_sight(self, widget: QWidget) -> None:
-        """Scroll the column, if it is scrolled, so far that something in it can be seen."""
-        for area in self.findChildren(PanelScroll):
-            if area.isAncestorOf(widget):
-                QTimer.singleShot(0, widget, partial(area.ensureWidgetVisible, widget))
+    @property
+    def is_scrolled(self) -> bool:
+        """Whether the screen is too low for the column."""
+        return self.column.parentWidget() is not self
 
     def _scroll(self) -> None:
         """Put the column into an area that is scrolled."""
         outer, inner, area = self.layout(), QWidget(), PanelScroll(self)
-        if not isinstance(outer, QVBoxLayout) or self.column.parentWidget() is not self:
+        if not isinstance(outer, QVBoxLayout) or self.is_scrolled:
             return  # it is there already
         outer.removeItem(self.column)
         self.column.setParent(None)

@@ -280,8 +280,9 @@ class HandoverDialog(Page):
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
-        if seen.warnings:
-            self.bring_into_sight(self.warning)
+        if seen.warnings and self.is_scrolled:
+            below = tr("Handover", "What to heed stands below the switches.")
+            self.state.setText(f"{self.state.text()}\n{below}")
         self.go.setEnabled(True)
 
     def showEvent(self, event: QShowEvent) -> None:
