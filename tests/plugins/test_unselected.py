@@ -18,7 +18,7 @@ SAMPLES = {
 }
 """A drawing of each modeler, some of whose parts are shown in the accent colour when chosen."""
 
-MOST = 12
+MOST = 6
 """Parts that are chosen one after the other, spread over all."""
 
 
@@ -34,7 +34,10 @@ def accents(bench, model, *, selected):
     )
 
 
-@pytest.mark.parametrize("name", SAMPLES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=pytest.mark.slow) if one == "product" else one for one in SAMPLES],
+)
 def test_the_chosen_part_is_in_the_accent_colour_only_while_its_object_is_selected(name):
     told = 0
     bench, modeler = Workbench(Registry()), f"bozzetto.{name}"
