@@ -414,6 +414,7 @@ class Canvas(QWidget):
         the hand goes on.
         """
         self._touched = tap, again and not self._passed_over
+        self._session.toolbox.hold(False)  # it was no stroke, and the next tool may be taken
         self._answer_touch()
 
     def _forget_touch(self) -> None:
