@@ -175,7 +175,6 @@ def window() -> None:
 
     shown = opened()
     session = shown.session
-    wait(0.5)
     grab(shown, "window-empty.png")
 
     drawing = read_drawing(SAMPLES / "horse.json")

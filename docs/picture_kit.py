@@ -20,6 +20,9 @@ GALLERY = HERE / "gallery"
 PATIENCE = 60.0
 """Seconds that a solve may take."""
 
+STILL = 2.0
+"""Seconds in which nothing more comes from a worker."""
+
 EXACT = 64
 """Colours that a picture keeps as they are, the most frequent ones."""
 
@@ -117,6 +120,7 @@ def opened() -> Window:
     window.set_theme(Theme.LIGHT)
     window.show()
     until(lambda: not window.session.busy)
+    until_still(window)
     return window
 
 
@@ -151,3 +155,13 @@ def until(true: Callable[[], bool]) -> None:
         if time.monotonic() > end:
             raise TimeoutError("the window did not come to rest")
         wait(0.02)
+
+
+def until_still(widget: QWidget) -> None:
+    """Let the window live until a widget has looked the same for a while.
+
+    What workers bring, as tools and the pictures of samples, is there then.
+    """
+    before = None
+    while before != (before := widget.grab().toImage()):
+        wait(STILL)

@@ -266,6 +266,7 @@ class Hand:
         """The ink file."""
         return {
             "format": "bozzetto-ink/1",
+            "modeler": "product",
             "canvas": {"width": SHEET[0], "height": SHEET[1]},
             "camera": _camera(self.camera),
             **self.facts,

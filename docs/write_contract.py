@@ -155,14 +155,16 @@ def _hooks() -> list[str]:
 
 
 def _manifest() -> Iterator[str]:
-    for title, table, kind in (
-        ("The plugin", manifest._PluginTable, manifest.Manifest),
-        ("Every `[[modeler]]`", manifest._ModelerTable, manifest.ModelerEntry),
+    for title, kind in (
+        ("The plugin", manifest.Manifest),
+        ("Every `[[modeler]]`", manifest.ModelerEntry),
     ):
         told = _attributes(inspect.getdoc(kind) or "")
         yield f"### {title}\n\n| key | default | |\n|---|---|---|"
-        for key, default in _defaults(table):
-            if key == "modeler":
+        for key, default in _defaults(kind):
+            if key == "warnings":  # it is made while the file is read
+                continue
+            if key == manifest.MODELER:
                 key, told = "[[modeler]]", told | {"[[modeler]]": "A table for every modeler."}
             yield f"| `{key}` | {default} | {told.get(key, '')} |"
         yield ""
@@ -172,7 +174,7 @@ def _manifest() -> Iterator[str]:
 
 def _defaults(table: type) -> Iterator[tuple[str, str]]:
     """Yield the keys of a table with their defaults, those that must be there first."""
-    fields = table.__struct_fields__  # type: ignore[attr-defined]
+    fields = table.__struct_encode_fields__  # type: ignore[attr-defined]
     defaults = table.__struct_defaults__  # type: ignore[attr-defined]
     required = len(fields) - len(defaults)
     for key, default in zip(fields, (None,) * required + defaults, strict=True):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from msgspec import structs
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model, Underlay
@@ -137,7 +138,7 @@ class FakeRegistry:
 
     def plugins(self) -> tuple[PluginInfo, ...]:
         return tuple(
-            replace(info, status="disabled") if self.disabled.get(info.id) else info
+            structs.replace(info, status="disabled") if self.disabled.get(info.id) else info
             for info in self.infos
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, QPointF, QRectF, QSize, Qt
@@ -89,6 +90,7 @@ class HistoryPanel(QListWidget):
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._session = session
+        self._labels: tuple[str, ...] = ()
         self.current = 0
         self.hovered = -1
         """The step under the pointer; -1 if it is elsewhere."""
@@ -114,9 +116,11 @@ class HistoryPanel(QListWidget):
     def refresh(self) -> None:
         """Show the steps there are now."""
         history = self._session.drawing.history
-        labels = history.entries
-        self.current = history.position
-        for row, label in enumerate(labels):
+        labels, before, was = history.entries, self._labels, self.current
+        self._labels, self.current = labels, history.position
+        for row, (label, old) in enumerate(zip_longest(labels, before[: len(labels)])):
+            if label == old and row not in (was, self.current):
+                continue
             item = self.item(row)
             if item is None:
                 item = QListWidgetItem(self)

@@ -293,6 +293,7 @@ class Exchange(QObject):
 
         def work(job: Job) -> tuple[Model, bool, Camera | None, Notice | None]:
             from bozzetto.exchange.import_file import is_mesh, read_drawing, read_mesh_file
+            from bozzetto.ink.drawing import MODELER_FACT
 
             def reading() -> None:
                 job.checkpoint(0.0, tr("Files", "Reading {name}", name=path.name))
@@ -305,7 +306,11 @@ class Exchange(QObject):
                 ink = read_drawing(place, checkpoint=reading)
             ink = replace(ink, name=title or ink.name)
             facts_only = not len(ink.strokes)
-            modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
+            named = ink.facts.get(MODELER_FACT)
+            if isinstance(named, str):
+                modeler = bench.registry.resolve(named)
+            else:
+                modeler = (facts_only and bench.registry.told_by(ink.facts)) or active
             if not modeler:
                 raise UserError(tr("Files", "Choose a modeler first, then import the drawing."))
             here = context if facts_only else replace(context, camera=ink.camera)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.scene.display_list import Layer, Scene
 
@@ -60,10 +60,12 @@ class SceneModel(QObject):
         self.preview = Scene()
         self._advice = Scene()
         self._alone = ""
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self.changed)
         drawing.models_changed.connect(self._models_changed)
         selection.changed.connect(self._refresh)
         toolbox.tool_changed.connect(self._tool_changed)
-        solver.changed.connect(self._refresh)
+        solver.changed.connect(self._solved)
         view.style_changed.connect(self._style_changed)
 
     @property
@@ -130,8 +132,17 @@ class SceneModel(QObject):
         if not self._drawing.is_dragging or self.visible is not before:
             self.changed.emit()
 
+    def _solved(self) -> None:
+        """Look for another scene once all shapes are there that workers have handed over by now.
+
+        Those of a hundred objects come together, and every look goes through all of them.
+        """
+        self._visible = None
+        self._soon.start()
+
     def _refresh(self) -> None:
         self._visible = None
+        self._soon.stop()
         self.changed.emit()
 
     def _tool_changed(self) -> None:

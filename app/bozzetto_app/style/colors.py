@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
+
+import msgspec
 
 from bozzetto.scene.contrast import luminance, mixed, readable
 from bozzetto.scene.palette import Color, Palette
@@ -11,8 +12,7 @@ from bozzetto.scene.palette import Color, Palette
 __all__ = ["Tones", "tones_of"]
 
 
-@dataclass(frozen=True)
-class Tones:
+class Tones(msgspec.Struct, frozen=True):
     """What widgets are painted with.
 
     ``panel`` the docks, ``field`` what can be typed into, ``raised`` menus and pop-ups;

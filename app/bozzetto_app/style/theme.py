@@ -13,6 +13,7 @@ from functools import lru_cache
 from pathlib import Path
 from string import Template
 
+from msgspec.structs import asdict
 from PySide6.QtCore import QRect, QRectF, Qt
 from PySide6.QtGui import (
     QColor,
@@ -196,7 +197,7 @@ def style_sheet(palette: Palette) -> str:
     mixed = _mixed_once(palette)
     colors = {
         name: "#{:02x}{:02x}{:02x}".format(*value)
-        for name, value in vars(mixed).items()
+        for name, value in asdict(mixed).items()
         if name != "name"
     }
     return Template(STYLE.read_text("utf-8")).substitute(

@@ -23,9 +23,12 @@ def put_in_tab_order(first: QWidget, parts: Iterable[QWidget]) -> None:
     before = first
     for part in parts:
         for widget in (part, *part.findChildren(QWidget)):
+            policy = widget.focusPolicy()
+            if policy is Qt.FocusPolicy.NoFocus or policy is Qt.FocusPolicy.ClickFocus:
+                continue
             inner = isinstance(widget.parent(), QAbstractSpinBox)
             elsewhere = widget.window() is not first.window()  # the list of a closed combo box
-            if inner or elsewhere or not widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
+            if inner or elsewhere:
                 continue
             if widget is not before:
                 QWidget.setTabOrder(before, widget)

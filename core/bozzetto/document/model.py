@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.cached_properties import cached_property
 from bozzetto.chunked import Chunked
 from bozzetto.document.waiting_ink import Waiting
 from bozzetto.errors import UserError
@@ -216,6 +217,10 @@ class Document:
     def _models(self) -> Chunked[Model]:
         return cast("Chunked[Model]", self.models)
 
+    @cached_property
+    def _places(self) -> dict[str, int]:
+        return {model.id: place for place, model in enumerate(self.models)}
+
     def __iter__(self) -> Iterator[Model]:
         return iter(self.models)
 
@@ -230,10 +235,10 @@ class Document:
         UserError
             If there is none of that id.
         """
-        for place, model in enumerate(self.models):
-            if model.id == model_id:
-                return place
-        raise UserError("That object is no longer in the document. Choose another one.")
+        place = self._places.get(model_id)
+        if place is None:
+            raise UserError("That object is no longer in the document. Choose another one.")
+        return place
 
     def model(self, model_id: str) -> Model:
         """Return the model of that id.
@@ -259,7 +264,7 @@ class Document:
         if model.linked:
             model = replace(model, linked=())
         models = self._models
-        known = next((i for i, old in enumerate(models) if old.id == model.id), None)
+        known = self._places.get(model.id)
         if known is not None and at is None:
             return replace(self, models=models.replaced(known, model))
         if known is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
@@ -12,6 +12,10 @@ from bozzetto.view.camera import Camera
 if TYPE_CHECKING:
     from bozzetto.images.stored_picture import Picture
     from bozzetto.ink.steps import Step
+
+
+MODELER_FACT: Final = "modeler"
+"""The fact that names the modeler for which a file was drawn: its id, or the last part of it."""
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from msgspec import structs
 from PySide6.QtCore import QPoint, QSize, Qt
 from PySide6.QtGui import QColor, QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
@@ -239,7 +241,7 @@ def test_many_modelers_leave_the_menus_their_room(shown, fake_session, times):
 
     own = fake_session.toolbox.modelers
     fake_session.toolbox.modelers = tuple(
-        dataclasses.replace(info, id=f"{info.id}{k}") for k in range(times) for info in own
+        structs.replace(info, id=f"{info.id}{k}") for k in range(times) for info in own
     )
     menus = QMenuBar()
     for title in ("File", "Edit", "Object", "View", "Go", "Help"):
@@ -295,6 +297,34 @@ def test_history_follows_the_document(shown, fake_session):
     fake_session.drawing.changed.emit()
     assert [panel.item(i).text() for i in range(panel.count())] == ["New drawing", "Fin"]
     assert panel.currentRow() == 1
+
+
+@given(
+    lives=st.lists(
+        st.lists(st.sampled_from("abc"), min_size=1, max_size=6).flatmap(
+            lambda labels: st.tuples(st.just(tuple(labels)), st.integers(0, len(labels) - 1))
+        ),
+        max_size=8,
+    )
+)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+def test_history_shows_the_same_however_it_came_about(qtbot, fake_session, lives):
+    def told(panel):
+        role = Qt.ItemDataRole.AccessibleTextRole
+        return [
+            (item.text(), item.toolTip(), item.data(role))
+            for item in map(panel.item, range(panel.count()))
+        ]
+
+    history = fake_session.drawing.history
+    panel = HistoryPanel(fake_session)
+    qtbot.addWidget(panel)
+    for history.entries, history.position in lives:
+        panel.refresh()
+        fresh = HistoryPanel(fake_session)
+        assert told(panel) == told(fresh)
+        assert panel.currentRow() == history.position
+        fresh.deleteLater()
 
 
 # -- status line --

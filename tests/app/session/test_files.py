@@ -742,3 +742,32 @@ def test_a_turntable_is_written_and_never_over_pictures_that_are_there(
     settle(session)
     assert (tmp_path / "row-3.png").read_bytes() == b"mine"
     assert session.drawing.document is before
+
+
+def boat(session, tmp_path, **facts):
+    """Write the drawing of the boat with other facts."""
+    (sample,) = session.registry.info("bozzetto.symmetry").samples
+    (tmp_path / "boat.json").write_text(json.dumps(json.loads(sample.read_bytes()) | facts))
+    return tmp_path / "boat.json"
+
+
+@pytest.mark.parametrize("name", ["symmetry", "bozzetto.symmetry"])
+def test_ink_that_names_its_modeler_goes_to_it_whichever_is_in_the_hand(
+    make_session, settle, tmp_path, name
+):
+    session = make_session("bozzetto.silhouette")
+    session.files.exchange.import_file(boat(session, tmp_path, modeler=name))
+    settle(session)
+    (model,) = session.drawing.document
+    assert model.modeler == "bozzetto.symmetry"
+    assert words(session, "error") == []
+
+
+def test_ink_of_a_modeler_that_is_not_there_says_which_is_missing(make_session, settle, tmp_path):
+    session = make_session("bozzetto.silhouette")
+    session.files.exchange.import_file(boat(session, tmp_path, modeler="somebody.boats"))
+    settle(session)
+    assert len(session.drawing.document) == 0
+    (said,) = words(session, "error")
+    assert "somebody.boats" in said
+    assert "Install" in said

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec import structs
 from PySide6.QtCore import QTimer
 
 from bozzetto.document.model import Document
@@ -71,7 +70,7 @@ def test_what_is_replaced_is_hidden_in_the_same_step_and_followed_all_the_same(
     make_session, boxes, settle, monkeypatch, replaces
 ):
     session = make_session(MODELER, extra=[boxes.package])
-    told = replace(session.registry.info(MODELER), replaces=replaces)
+    told = structs.replace(session.registry.info(MODELER), replaces=replaces)
     monkeypatch.setattr(session.registry, "info", lambda _: told)
     session.drawing.show(Document(), None)
     body = session.workbench.new_model(MODELER, BoxState(10.0), "Body")

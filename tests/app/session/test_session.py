@@ -570,3 +570,14 @@ def test_shapes_that_undo_may_bring_back_are_kept(session, draw, settle):
     session.drawing.undo()
     settle(session)
     assert session.workbench.best_result(model) is not None
+
+
+def test_shapes_that_come_together_are_one_change_of_the_scene(make_session, qtbot):
+    session = make_session()
+    seen = []
+    session.scene.changed.connect(lambda: seen.append(session.scene.visible))
+    for _ in range(100):
+        session.solver.changed.emit("some object", True)
+    qtbot.waitUntil(lambda: bool(seen))
+    qtbot.wait(50)
+    assert len(seen) == 1

@@ -394,7 +394,8 @@ class InkOverlay(QWidget):
     def _paint_pending(self, kept: int = 0) -> None:
         """Paint the ink that waits; the first strokes are in the picture already."""
         if not kept:
-            self._pending = self._blank()
+            some = self._pending_ink or self._marked
+            self._pending = self._blank() if some else QImage()
         new = self._pending_ink[kept:]
         self._paint_into(self._pending, (path for one in new for path in one.paths))
         if self._marked and not self._pending.isNull():

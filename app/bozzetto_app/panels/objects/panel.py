@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from time import monotonic
+from typing import TYPE_CHECKING, Any, Final
 
-from PySide6.QtCore import QPoint, QSize, Qt, Signal
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer, Signal
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -31,6 +32,12 @@ __all__ = ["ObjectsPanel"]
 
 FLAGS = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
 
+AT_ONCE: Final = 16
+"""Rows that are made before the window is painted again, those in sight first."""
+
+SLICE: Final = 0.008
+"""Time for which others are made between two turns of the event loop, seconds."""
+
 
 class ObjectsPanel(QWidget):
     """The list, and under it what can be done with the chosen row.
@@ -51,6 +58,11 @@ class ObjectsPanel(QWidget):
         self._session = session
         self._filling = False
         self._entries: list[Entry] = []
+        self._shown: dict[Entry, tuple[object, ...]] = {}
+        self._tree: PartTree | None = None
+        self._parts: dict[str, tuple[Any, int]] = {}
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._make_more)
         self._unfolded: dict[str, bool] = {}
         self._folded_groups: set[tuple[str, str]] = set()
         self.setObjectName("objects")
@@ -99,66 +111,65 @@ class ObjectsPanel(QWidget):
         )
         if wanted != self._entries:
             self._exchange(wanted)
-        trees = {model.id: self._session.parts.of(model.id) for model in document}
-        depths = {
-            Entry("part", part.id, model_id): (part, depth)
-            for model_id, tree in trees.items()
-            if tree is not None
-            for part, depth in tree.rows()
-        }
-        for row, entry in enumerate(self._entries):
-            part = depths.get(entry)
-            tree = trees.get(entry.model if part else entry.id)
-            name = self._show_entry(self.list.item(row), entry, tree, part)
-            self.list.item(row).setData(Qt.ItemDataRole.AccessibleTextRole, name)
+        for row in range(len(self._entries)):
+            self._show_row(row)
         empty = not document.models and not document.underlays
         self._empty.setVisible(empty)
         self.list.setVisible(not empty)
         self._mark()
 
-    def _show_entry(
-        self,
-        item: QListWidgetItem,
-        entry: Entry,
-        tree: PartTree | None,
-        placed: tuple[Any, int] | None,
-    ) -> str:
-        """Show a row as what it stands for is now, and return its name.
-
-        Parameters
-        ----------
-        item : QListWidgetItem
-            The row.
-        entry : Entry
-            What it stands for.
-        tree : PartTree, optional
-            Parts of its model.
-        placed : tuple of part and int, optional
-            The part that it stands for, and how deep that lies.
-        """
+    def _show_row(self, row: int) -> None:
+        """Show a row as what it stands for is now, unless it is shown so or still to be made."""
         from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
         from bozzetto_app.panels.objects.part_row import PartRow
 
-        document, widget = self._session.drawing.document, self.list.itemWidget(item)
+        entry, item = self._entries[row], self.list.item(row)
+        document = self._session.drawing.document
+        widget = self.list.itemWidget(item)
         if isinstance(widget, ModelRow):
             model = document.model(entry.id)
-            folds = tree is not None and bool(tree.parts)
+            tree = self._session.parts.of(entry.id)
+            is_open = self._is_open(entry.id) if tree is not None and tree.parts else None
             link = link_words(model, document)
-            widget.show_model(model, self._is_open(entry.id) if folds else None, link)
-            return ", ".join(word for word in (model.name, link) if word)
-        if isinstance(widget, PartRow) and placed is not None:
-            part, depth = placed
-            group = tree is not None and part.id in tree.groups
-            is_open = (entry.model, part.id) not in self._folded_groups
-            widget.show_part(part, depth, is_open if group else None)
-            flags = FLAGS | Qt.ItemFlag.ItemIsDragEnabled
-            item.setFlags(flags | Qt.ItemFlag.ItemIsDropEnabled if group else flags)
-            return ", ".join(word for word in (part.name, widget.sign.accessibleName()) if word)
-        if isinstance(widget, UnderlayRow):
+            if self._differs(entry, model, is_open, link):
+                widget.show_model(model, is_open, link)
+                self._name(item, model.name, link)
+        elif isinstance(widget, PartRow):
+            tree = self._session.parts.of(entry.model)
+            if tree is None or entry.id not in (places := self._places(tree)):
+                return
+            part, depth = places[entry.id]
+            group = part.id in tree.groups
+            is_open = (entry.model, part.id) not in self._folded_groups if group else None
+            if self._differs(entry, part, depth, is_open):
+                widget.show_part(part, depth, is_open)
+                flags = FLAGS | Qt.ItemFlag.ItemIsDragEnabled
+                item.setFlags(flags | Qt.ItemFlag.ItemIsDropEnabled if group else flags)
+                self._name(item, part.name, widget.sign.accessibleName())
+        elif isinstance(widget, UnderlayRow):
             underlay = next(u for u in document.underlays if u.id == entry.id)
-            widget.show_underlay(underlay)
-            return underlay.name
-        return ""
+            if self._differs(entry, underlay):
+                widget.show_underlay(underlay)
+                self._name(item, underlay.name)
+
+    def _places(self, tree: PartTree) -> dict[str, tuple[Any, int]]:
+        """Return the parts of a tree, and how deep they lie, by their ids."""
+        if self._tree is not tree:
+            self._tree = tree
+            self._parts = {part.id: (part, depth) for part, depth in tree.rows()}
+        return self._parts
+
+    def _differs(self, entry: Entry, shown: object, *how: object) -> bool:
+        """Whether a row does not show this yet; it is taken to show it from now on."""
+        before = self._shown.get(entry)
+        self._shown[entry] = (shown, *how)
+        return before is None or before[0] is not shown or before[1:] != how
+
+    @staticmethod
+    def _name(item: QListWidgetItem, *words: str) -> None:
+        """Give a row its name for those who cannot see it."""
+        name = ", ".join(word for word in words if word)
+        item.setData(Qt.ItemDataRole.AccessibleTextRole, name)
 
     # -- what a person can do --
 
@@ -166,7 +177,7 @@ class ObjectsPanel(QWidget):
         """Edit the name of what is chosen in place."""
         from bozzetto_app.panels.objects.object_row import NamedRow
 
-        widget = self.list.itemWidget(self.list.currentItem())
+        widget = self._current_widget()
         if isinstance(widget, NamedRow):
             widget.edit_name()
 
@@ -253,7 +264,7 @@ class ObjectsPanel(QWidget):
         from bozzetto_app.panels.objects.object_row import ModelRow
         from bozzetto_app.panels.objects.part_row import PartRow
 
-        widget = self.list.itemWidget(self.list.currentItem())
+        widget = self._current_widget()
         if isinstance(widget, ModelRow | PartRow) and widget.fold.isVisibleTo(widget):
             self.fold(self._current(), is_open)
 
@@ -300,12 +311,12 @@ class ObjectsPanel(QWidget):
                 continue
             for row in reversed(range(low, high)):
                 self.list.takeItem(row)
+                self._shown.pop(self._entries[row], None)
             for place, entry in enumerate(wanted[begin:end]):
                 self._insert(low + place, entry)
         self._entries = wanted
         self._filling = False
-        rows = (self.list.itemWidget(self.list.item(row)) for row in range(self.list.count()))
-        put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
+        self._make_more(AT_ONCE)
 
     def _insert(self, row: int, entry: Entry) -> None:
         item = QListWidgetItem()
@@ -317,7 +328,34 @@ class ObjectsPanel(QWidget):
             item.setFlags(FLAGS | drags)
         item.setSizeHint(QSize(80, text_height(ROW)))
         self.list.insertItem(row, item)
-        self.list.setItemWidget(item, self._widget(entry))
+
+    def _make_more(self, least: int = 0) -> None:
+        """Make what stands in rows, those in sight first, for a moment or at least so many."""
+        count = len(self._entries)
+        first = max(0, self.list.indexAt(QPoint(1, 1)).row())
+        end = monotonic() + SLICE
+        for row in (*range(first, count), *range(first)):
+            if self.list.itemWidget(self.list.item(row)) is not None:
+                continue
+            if least <= 0 and monotonic() > end:
+                self._soon.start()
+                return
+            self._make_row(row)
+            least -= 1
+        rows = (self.list.itemWidget(self.list.item(row)) for row in range(count))
+        put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
+
+    def _make_row(self, row: int) -> None:
+        item = self.list.item(row)
+        self.list.setItemWidget(item, self._widget(self._entries[row]))
+        self._show_row(row)
+
+    def _current_widget(self) -> QWidget | None:
+        """Return what stands in the chosen row."""
+        row = self.list.currentRow()
+        if row >= 0 and self.list.itemWidget(self.list.item(row)) is None:
+            self._make_row(row)
+        return self.list.itemWidget(self.list.currentItem())
 
     def _widget(self, entry: Entry) -> QWidget:
         from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow

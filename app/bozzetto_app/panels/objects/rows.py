@@ -67,6 +67,8 @@ def entries_of(
 
 def link_words(model: Model, document: Document) -> str:
     """Return what a model is made from, in words; "" if it is made from no other."""
+    if not (model.followed or model.frozen):
+        return ""
     names = {other.id: other.name for other in document}
     lost = tr("Objects", "what is not here")
     followed = [f"“{names[s]}”" if s in names else lost for s in model.followed]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
+
+import msgspec
 
 Status = Literal["ready", "loaded", "disabled", "broken"]
 
 
-@dataclass(frozen=True)
-class PluginInfo:
+class PluginInfo(msgspec.Struct, frozen=True):
     """A plugin in the list.
 
     Attributes
@@ -42,8 +42,7 @@ class PluginInfo:
     warnings: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Standing:
+class Standing(msgspec.Struct, frozen=True):
     """Whether a modeler can be used now.
 
     Attributes
@@ -58,8 +57,7 @@ class Standing:
     plugin: str = ""
 
 
-@dataclass(frozen=True)
-class ModelerInfo:
+class ModelerInfo(msgspec.Struct, frozen=True):
     """A modeler as its manifest announces it.
 
     Attributes
@@ -101,5 +99,5 @@ class ModelerInfo:
     listed: bool = True
     order: int = 50
     facts: tuple[str, ...] = ()
-    sides: Mapping[str, str] = field(default_factory=dict)
+    sides: Mapping[str, str] = {}
     replaces: bool = False

@@ -23,13 +23,10 @@ from __future__ import annotations
 import importlib.util
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 import msgspec
-from msgspec.structs import asdict
 
 from bozzetto.errors import UserError, words_of
 from bozzetto.plugin.host.similar_names import meant_by
@@ -67,45 +64,14 @@ class ManifestError(UserError):
     """A manifest that cannot be used; the message names the place and what to write there."""
 
 
-class _SampleTable(msgspec.Struct, frozen=True):
+class Sample(msgspec.Struct, frozen=True):
+    """A drawing that comes with a modeler: an ink file, and its name for people."""
+
     file: Word
     title: Word
 
 
-class _ModelerTable(msgspec.Struct, frozen=True):
-    id: Id
-    title: Word
-    icon: Word
-    hint: Sentence
-    samples: list[str | _SampleTable] = []
-    abilities: frozenset[Ability] = frozenset()
-    listed: bool = True
-    facts: Key | Annotated[list[Key], msgspec.Meta(max_length=MOST_KEYS)] = ""
-    order: int = 50
-    sides: dict[Side, Side] = {}
-    replaces: bool = False
-
-
-class _PluginTable(msgspec.Struct, frozen=True):
-    id: Id
-    title: Word
-    version: Word
-    api: Word
-    modeler: Annotated[list[_ModelerTable], msgspec.Meta(min_length=1, max_length=MOST_MODELERS)]
-    summary: Sentence = ""
-    checks_files: bool = False
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A drawing that comes with a modeler: an ink file, and its name for people."""
-
-    file: str
-    title: str
-
-
-@dataclass(frozen=True)
-class ModelerEntry:
+class ModelerEntry(msgspec.Struct, frozen=True):
     """One ``[[modeler]]`` of a manifest.
 
     Attributes
@@ -129,8 +95,9 @@ class ModelerEntry:
     order : int
         Place in the row of modelers, small first.
     facts : tuple of str
-        The keys by which its files are told from others: a JSON file without strokes that has
-        one of them at the top is read by this modeler, whichever is in the hand.
+        The keys by which its files are told from others, a string where there is one: a JSON file
+        without strokes that has one of them at the top is read by this modeler, whichever is in
+        the hand.
     sides : mapping of str to str
         Where what it makes has its own front, back, left and right: each name stands for the side
         of the world that is called so. Empty where they are the world's.
@@ -139,21 +106,20 @@ class ModelerEntry:
         hidden then, in the same step.
     """
 
-    id: str
-    title: str
-    icon: str
-    hint: str
+    id: Id
+    title: Word
+    icon: Word
+    hint: Sentence
     samples: tuple[Sample, ...] = ()
     abilities: frozenset[Ability] = frozenset()
     listed: bool = True
     order: int = 50
-    facts: tuple[str, ...] = ()
-    sides: Mapping[Side, Side] = field(default_factory=dict)
+    facts: Annotated[tuple[Key, ...], msgspec.Meta(max_length=MOST_KEYS)] = ()
+    sides: dict[Side, Side] = {}
     replaces: bool = False
 
 
-@dataclass(frozen=True)
-class Manifest:
+class Manifest(msgspec.Struct, frozen=True):
     """Content of a ``plugin.toml``.
 
     Attributes
@@ -162,25 +128,33 @@ class Manifest:
         "author.name", unique in the program.
     title, version : str
         For the list of plugins.
-    summary : str
-        One sentence for the list of plugins.
     api : str
         Versions of the contract that the plugin was written for, such as ">=2,<3".
     modelers : tuple of ModelerEntry
-    warnings : tuple of str
-        What was ignored.
+        Each a table ``[[modeler]]``.
+    summary : str
+        One sentence for the list of plugins.
     checks_files : bool
         Whether it says what is wrong with files of a kind of its own (`bozzetto_faults`).
+    warnings : tuple of str
+        What was ignored; not a key of the file.
     """
 
-    id: str
-    title: str
-    summary: str
-    version: str
-    api: str
-    modelers: tuple[ModelerEntry, ...]
-    warnings: tuple[str, ...] = ()
+    id: Id
+    title: Word
+    version: Word
+    api: Word
+    modelers: Annotated[
+        tuple[ModelerEntry, ...], msgspec.Meta(min_length=1, max_length=MOST_MODELERS)
+    ] = msgspec.field(name="modeler")
+    summary: Sentence = ""
     checks_files: bool = False
+    warnings: tuple[str, ...] = ()
+
+
+KEYS: Final = tuple(key for key in Manifest.__struct_encode_fields__ if key != "warnings")
+MODELER: Final = "modeler"
+"""The key of the tables of modelers."""
 
 
 def find_folder(package: str) -> Path:
@@ -226,38 +200,48 @@ def read_manifest(folder: Path) -> Manifest:
         raise ManifestError(f"{MANIFEST} cannot be read: {problem.strerror}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
         raise ManifestError(f"{MANIFEST} is not valid TOML: {words_of(problem)}.") from None
+    warnings = tuple(_unknown_keys(said))
+    known = {key: said[key] for key in KEYS if key in said}
+    if isinstance(tables := known.get(MODELER), list):
+        known[MODELER] = [_in_full(each) if isinstance(each, dict) else each for each in tables]
     try:
-        table: _PluginTable = convert(said, _PluginTable)
+        manifest: Manifest = convert(known | {"warnings": warnings}, Manifest)
     except msgspec.ValidationError as problem:
         words = _REGEX_WORDS.sub(ID_IN_WORDS, words_of(problem))
-        known = "".join(f" {told}" for told in _unknown_keys(said))
-        raise ManifestError(f"In {MANIFEST}: {words}.{known}") from None
-    api_accepts(table.api, (0, 0))  # a range that cannot be read is refused here
-    ids = [modeler.id for modeler in table.modeler]
-    for modeler_id in ids:
-        if ids.count(modeler_id) > 1:
-            raise ManifestError(f"In {MANIFEST}: two modelers have the id {modeler_id!r}.")
-    plain = asdict(table)
-    modelers = tuple(map(_entry, plain.pop("modeler")))
-    return Manifest(**plain, modelers=modelers, warnings=tuple(_unknown_keys(said)))
+        ignored = "".join(f" {told}" for told in warnings)
+        raise ManifestError(f"In {MANIFEST}: {words}.{ignored}") from None
+    api_accepts(manifest.api, (0, 0))  # a range that cannot be read is refused here
+    ids = [modeler.id for modeler in manifest.modelers]
+    for modeler in manifest.modelers:
+        if ids.count(modeler.id) > 1:
+            raise ManifestError(f"In {MANIFEST}: two modelers have the id {modeler.id!r}.")
+        _check_modeler(modeler)
+    return manifest
 
 
-def _entry(table: _ModelerTable) -> ModelerEntry:
-    samples = []
-    for sample in table.samples:
-        if isinstance(sample, str):
-            sample = _SampleTable(sample, PurePosixPath(sample).stem)
+def _in_full(table: dict[str, Any]) -> dict[str, Any]:
+    """Return a table of a modeler with what is written shortly in full."""
+    full = dict(table)
+    if isinstance(samples := full.get("samples"), list):
+        full["samples"] = [
+            {"file": each, "title": PurePosixPath(each).stem} if isinstance(each, str) else each
+            for each in samples
+        ]
+    if isinstance(key := full.get("facts"), str):
+        full["facts"] = [key] if key else []
+    return full
+
+
+def _check_modeler(entry: ModelerEntry) -> None:
+    """Refuse what only several values together show to be wrong."""
+    for sample in entry.samples:
         _check_inside(sample.file, "sample", (".json", ".svg", ".inkml"))
-        samples.append(Sample(sample.file, sample.title))
-    _check_inside(table.icon, "icon", (".svg",))
-    if table.sides and set(table.sides) != set(table.sides.values()):
+    _check_inside(entry.icon, "icon", (".svg",))
+    if entry.sides and set(entry.sides) != set(entry.sides.values()):
         raise ManifestError(
-            f"In {MANIFEST}: the sides of {table.id} exchange {', '.join(table.sides)} for others. "
+            f"In {MANIFEST}: the sides of {entry.id} exchange {', '.join(entry.sides)} for others. "
             "Name each side once on the left and once on the right."
         )
-    keys = [table.facts] if isinstance(table.facts, str) else table.facts
-    told = {"samples": tuple(samples), "facts": tuple(key for key in keys if key)}
-    return ModelerEntry(**asdict(table) | told)
 
 
 def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
@@ -273,12 +257,12 @@ def _check_inside(name: str, what: str, endings: tuple[str, ...]) -> None:
 
 def _unknown_keys(said: dict[str, Any]) -> list[str]:
     """Return warnings about keys that mean nothing to this version."""
-    tables = [(said, _PluginTable.__struct_fields__, "")]
-    modelers = said.get("modeler")
+    tables = [(said, KEYS, "")]
+    modelers = said.get(MODELER)
     for modeler in modelers if isinstance(modelers, list) else ():
         if isinstance(modeler, dict):
             of = f" of modeler {modeler.get('id', '')}".rstrip()
-            tables.append((modeler, _ModelerTable.__struct_fields__, of))
+            tables.append((modeler, ModelerEntry.__struct_fields__, of))
     warnings = []
     for table, fields, of in tables:
         for key in (key for key in table if key not in fields):

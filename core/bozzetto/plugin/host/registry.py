@@ -8,14 +8,15 @@ package that cannot be imported.
 
 from __future__ import annotations
 
-import dataclasses
 import threading
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
+
+from msgspec.structs import asdict, replace
 
 from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.plugin import API_VERSION
@@ -26,7 +27,6 @@ from bozzetto.plugin.host.loading import ask, check_modelers, import_plugin
 from bozzetto.plugin.host.manifest import (
     Manifest,
     ManifestError,
-    ModelerEntry,
     api_accepts,
     find_folder,
     read_manifest,
@@ -54,6 +54,7 @@ class _Plugin:
     manifest: Manifest | None = None
     fault: str = ""
     details: str = ""
+    infos: tuple[ModelerInfo, ...] = ()
     modelers: dict[str, Modeler[Any, Any]] | None = None
     id_taken: bool = False
     loading: threading.Lock = field(default_factory=threading.Lock)
@@ -62,9 +63,8 @@ class _Plugin:
     def id(self) -> str:
         return self.manifest.id if self.manifest and not self.id_taken else self.package
 
-    def entry(self, modeler_id: str) -> ModelerEntry | None:
-        announced = self.manifest.modelers if self.manifest else ()
-        return next((entry for entry in announced if entry.id == modeler_id), None)
+    def info(self, modeler_id: str) -> ModelerInfo | None:
+        return next((info for info in self.infos if info.id == modeler_id), None)
 
 
 class Registry:
@@ -135,6 +135,7 @@ class Registry:
                     plugin.folder = find_folder(package)
                     plugin.manifest = read_manifest(plugin.folder)
                     self._look_over(plugin, plugin.manifest)
+                    plugin.infos = tuple(_modeler_infos(plugin))
                 except ManifestError as problem:
                     plugin.fault = problem.message
                 except Exception as problem:
@@ -154,10 +155,10 @@ class Registry:
         """Return the modelers of all plugins neither broken nor disabled, in their order."""
         with self._lock:
             infos = [
-                _modeler_info(plugin, entry)
+                info
                 for plugin in self._plugins.values()
-                if not plugin.fault and plugin.manifest and plugin.id not in self._disabled
-                for entry in plugin.manifest.modelers
+                if not plugin.fault and plugin.id not in self._disabled
+                for info in plugin.infos
             ]
         return tuple(sorted(infos, key=lambda info: (info.order, info.title, info.id)))
 
@@ -169,8 +170,7 @@ class Registry:
         UserError
             If no plugin announces it.
         """
-        plugin, entry = self._find(modeler_id)
-        return _modeler_info(plugin, entry)
+        return self._find(modeler_id)[1]
 
     def resolve(self, name: str) -> str:
         """Return the id of the modeler that a person means: its id, or the last part of it.
@@ -189,10 +189,7 @@ class Registry:
         if found:
             raise UserError(f"{name!r} can be {' or '.join(found)}. Write out which.")
         with self._lock:
-            announced = [
-                entry.id for plugin in self._plugins.values() if plugin.manifest
-                for entry in plugin.manifest.modelers
-            ]  # fmt: skip
+            announced = [info.id for plugin in self._plugins.values() for info in plugin.infos]
         for known in announced:
             if name in (known, known.rpartition(".")[2]):
                 self.modeler(known)  # says why it cannot be used
@@ -207,7 +204,7 @@ class Registry:
         """Whether a modeler can be used now, told without importing anything."""
         with self._lock:
             for plugin in self._plugins.values():
-                if plugin.entry(modeler_id):
+                if plugin.info(modeler_id):
                     return Standing(self._info(plugin).status, plugin.id)
         return Standing("absent")
 
@@ -309,8 +306,8 @@ class Registry:
         PluginFault
             If making it fails.
         """
-        plugin, entry = self._find(modeler_id)
-        if "panel" not in entry.abilities:
+        plugin, info = self._find(modeler_id)
+        if "panel" not in info.abilities:
             return None
         self.modeler(modeler_id)
         made = self.guard.call(
@@ -351,13 +348,12 @@ class Registry:
 
     # -- inside ------------------------------------------------------------------------------------
 
-    def _find(self, modeler_id: str) -> tuple[_Plugin, ModelerEntry]:
-        """Find the plugin that announces a modeler."""
+    def _find(self, modeler_id: str) -> tuple[_Plugin, ModelerInfo]:
+        """Find the plugin that announces a modeler, and what it says of it."""
         with self._lock:
             for plugin in self._plugins.values():
-                entry = plugin.entry(modeler_id)
-                if entry is not None:
-                    return plugin, entry
+                if info := plugin.info(modeler_id):
+                    return plugin, info
         raise self._absent(modeler_id)
 
     def _absent(self, name: str) -> UserError:
@@ -370,7 +366,7 @@ class Registry:
     def _plugin_of(self, modeler_id: str) -> str:
         with self._lock:
             for plugin in self._plugins.values():
-                if plugin.entry(modeler_id):
+                if plugin.info(modeler_id):
                     return plugin.id
         return modeler_id
 
@@ -395,7 +391,7 @@ class Registry:
                 # Switching one of two plugins off must not switch the other off as well.
                 plugin.id_taken = plugin.id_taken or other.id == said.id
                 # Its modelers are the other's: they must not be found under this name.
-                plugin.manifest = dataclasses.replace(said, modelers=())
+                plugin.manifest = replace(said, modelers=())
 
     def _load(self, plugin: _Plugin) -> None:
         """Import a plugin; whatever goes wrong becomes its fault."""
@@ -437,17 +433,18 @@ class Registry:
         )
 
 
-def _modeler_info(plugin: _Plugin, entry: ModelerEntry) -> ModelerInfo:
-    return ModelerInfo(
-        **vars(entry)
-        | {
-            "plugin": plugin.id,
-            "folder": plugin.folder,
-            "icon": plugin.folder / entry.icon,
-            "samples": tuple(plugin.folder / sample.file for sample in entry.samples),
-            "sample_titles": tuple(sample.title for sample in entry.samples),
-        }
-    )
+def _modeler_infos(plugin: _Plugin) -> Iterator[ModelerInfo]:
+    for entry in plugin.manifest.modelers if plugin.manifest else ():
+        yield ModelerInfo(
+            **asdict(entry)
+            | {
+                "plugin": plugin.id,
+                "folder": plugin.folder,
+                "icon": plugin.folder / entry.icon,
+                "samples": tuple(plugin.folder / sample.file for sample in entry.samples),
+                "sample_titles": tuple(sample.title for sample in entry.samples),
+            }
+        )
 
 
 def _installed() -> list[str]:

@@ -220,3 +220,54 @@ def test_an_empty_sheet_says_so(panel, fake_session):
     fake_session.drawing.changed.emit()
     assert panel._empty.isVisible()
     assert not panel._delete.isEnabled()
+
+
+@pytest.fixture
+def crowd(panel, fake_session):
+    """The panel with three hundred objects more, all of which have come at once."""
+    horse = fake_session.drawing.document.models[0]
+    more = [replace(horse, id=f"n{k}", name=f"Colt {k}") for k in range(300)]
+    document = fake_session.drawing.document
+    fake_session.drawing.document = replace(document, models=(*document.models, *more))
+    fake_session.drawing.changed.emit()
+    return panel
+
+
+def test_what_stands_in_hundreds_of_rows_is_made_little_by_little(crowd, qtbot):
+    in_sight = crowd.list.viewport().height() // crowd.list.sizeHintForRow(0)
+    first = rows(crowd, ModelRow)
+    assert in_sight <= len(first) < 100
+    assert [row.name.text() for row in first][4:6] == ["Colt 0", "Colt 1"]
+    qtbot.waitUntil(lambda: len(rows(crowd, ModelRow)) == 304, timeout=20_000)
+    assert [row.name.text() for row in rows(crowd, ModelRow)][4:] == [
+        f"Colt {k}" for k in range(300)
+    ]
+    assert len(rows(crowd, UnderlayRow)) == 2
+    told = [crowd.list.item(i).data(Qt.ItemDataRole.AccessibleTextRole) for i in (0, 303, 306)]
+    assert told == ["Horse", "Colt 299", "Front.png"]
+
+
+def test_a_row_that_is_still_to_be_made_can_be_renamed(crowd, fake_session):
+    crowd.list.choose(250)
+    crowd.rename_current()
+    row = crowd.list.itemWidget(crowd.list.item(250))
+    QTest.keyClicks(row.editor, "Filly")
+    QTest.keyClick(row.editor, Qt.Key.Key_Return)
+    assert fake_session.calls.named("objects.rename") == [(("n246", "Filly"), {})]
+
+
+def test_only_rows_of_what_is_another_are_shown_anew(crowd, fake_session, qtbot, monkeypatch):
+    qtbot.waitUntil(lambda: len(rows(crowd, ModelRow)) == 304, timeout=20_000)
+    shown = []
+    show = ModelRow.show_model
+
+    def noted(row, model, *how):
+        shown.append(model.id)
+        show(row, model, *how)
+
+    monkeypatch.setattr(ModelRow, "show_model", noted)
+    document = fake_session.drawing.document
+    fake_session.drawing.document = document.with_model(replace(document.model("n7"), name="Foal"))
+    fake_session.drawing.changed.emit()
+    assert shown == ["n7"]
+    assert "Foal" in [row.name.text() for row in rows(crowd, ModelRow)]
