@@ -251,7 +251,7 @@ class Window(QMainWindow):
         keys = QKeySequence(event.keyCombination()).toString(
             QKeySequence.SequenceFormat.PortableText
         )
-        if not self.actions_.take_key(keys):
+        if not self.actions_.take_key(keys, again=event.isAutoRepeat()):
             super().keyPressEvent(event)
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:

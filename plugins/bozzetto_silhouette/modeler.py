@@ -52,7 +52,7 @@ from bozzetto_silhouette.tools.attachment import ATTACH, offers_to_attach
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.hole_filling import FILL
 from bozzetto_silhouette.view.handles import handles_layer
-from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
+from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layers
 
 PREVIEW_RESOLUTION = 64
 """Cells along the longest side for an answer within a blink."""
@@ -172,7 +172,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         if state.posing and result is not None:
             layers.append(joints_layer(state))
         elif not (state.keys and state.turns):
-            layers.append(ink_layer(state) if state.nodes else None)
+            layers += ink_layers(state) if state.nodes else ()
             if result is not None and result.final:
                 layers.append(_deviation(state, result))
             layers.append(None if state.posing else handles_layer(state))

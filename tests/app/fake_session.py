@@ -214,6 +214,9 @@ class Toolbox(Part):
         super().__init__(*given, **values)
         self.last_used: dict[str, str] = {}
 
+    def hold(self, held: bool) -> None:
+        """Every end of a gesture calls it."""
+
     @property
     def groups(self) -> tuple[tool_groups.ToolGroup, ...]:
         return tool_groups.groups_of(self.tools)

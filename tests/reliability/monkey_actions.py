@@ -30,6 +30,7 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QApplication,
     QDialog,
+    QDockWidget,
     QLineEdit,
     QMenu,
     QWidget,
@@ -333,6 +334,46 @@ def _key(target: QObject, key: Qt.Key, keys: Qt.KeyboardModifier, text: str = ""
             QApplication.sendEvent(target, QKeyEvent(kind, key, keys, text))
 
 
+def hold_key(monkey: Monkey) -> None:
+    """Hold a key down, as long as the keyboard repeats it."""
+    chance = monkey.chance
+    target = QApplication.activePopupWidget() or QApplication.focusWidget() or monkey.window.canvas
+    key, keys = chance.choice(HELD_KEYS)
+    for number in range(chance.choice((2, 8, 40))):
+        if not isValid(target):
+            return
+        for kind in (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress):
+            if isValid(target):
+                QApplication.sendEvent(target, QKeyEvent(kind, key, keys, "", number > 0))
+        if chance.random() < 0.3:
+            QApplication.processEvents()
+    if isValid(target):
+        QApplication.sendEvent(target, QKeyEvent(QEvent.Type.KeyRelease, key, keys))
+
+
+def disturbed_stroke(monkey: Monkey) -> None:
+    """Do something else in the middle of a stroke, then draw on and lift the pen."""
+    if QApplication.activeModalWidget() or QApplication.activePopupWidget():
+        return
+    chance, window = monkey.chance, monkey.window
+    places = _path(monkey)
+    half = len(places) // 2
+    keys = chance.choice(KEYS)
+    _tablet(monkey, monkey.pen, QEvent.Type.TabletPress, places[0], LEFT, LEFT, keys)
+    for place in places[1:half]:
+        _tablet(monkey, monkey.pen, QEvent.Type.TabletMove, place, NONE, LEFT, keys)
+    if chance.random() < 0.5:
+        QApplication.processEvents()
+    chance.choice((shortcut, hold_key, drop, wheel, lose_focus, lock_or_hide, take_modeler, save))(
+        monkey
+    )
+    if not isValid(window) or window is not monkey.window:
+        return
+    for place in places[half:]:
+        _tablet(monkey, monkey.pen, QEvent.Type.TabletMove, place, NONE, LEFT, keys)
+    _tablet(monkey, monkey.pen, QEvent.Type.TabletRelease, places[-1], LEFT, NONE, keys)
+
+
 def _type(target: QObject, text: str) -> None:
     for letter in text:
         _key(target, Qt.Key.Key_unknown, KEYS[0], letter)
@@ -344,6 +385,15 @@ NAMED_KEYS: Final = (
     Qt.Key.Key_Right, Qt.Key.Key_Home, Qt.Key.Key_End, Qt.Key.Key_PageUp, Qt.Key.Key_PageDown,
     Qt.Key.Key_F1, Qt.Key.Key_F2, Qt.Key.Key_F5, Qt.Key.Key_F10, Qt.Key.Key_Menu, Qt.Key.Key_Q,
 )  # fmt: skip
+
+
+HELD_KEYS: Final = (
+    (Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier),
+    (Qt.Key.Key_Y, Qt.KeyboardModifier.ControlModifier),
+    *((key, Qt.KeyboardModifier.NoModifier) for key in NAMED_KEYS),
+    *((Qt.Key(ord(letter)), Qt.KeyboardModifier.NoModifier) for letter in "123GITFPX"),
+)
+"""What is held down, and with which keys."""
 
 
 def press_keys(monkey: Monkey) -> None:
@@ -491,6 +541,37 @@ def answer_dialog(monkey: Monkey) -> None:
         else:
             dialog.close()
         return
+
+
+def lock_or_hide(monkey: Monkey) -> None:
+    """Lock, unlock, hide or show some objects, and select one of them or none."""
+    session, chance = monkey.window.session, monkey.chance
+    models = session.drawing.document.models
+    for model in chance.sample(models, min(len(models), chance.choice((1, 1, 3)))):
+        if chance.random() < 0.5:
+            session.objects.set_locked(model.id, not model.locked)
+        else:
+            session.objects.set_visible(model.id, not model.visible)
+    if models:
+        session.selection.select(chance.choice((*(model.id for model in models), None)))
+
+
+def move_docks(monkey: Monkey) -> None:
+    """Put a panel elsewhere, in a tab, at the other side, or beside the others."""
+    chance, window = monkey.chance, monkey.window
+    docks = window.findChildren(QDockWidget)
+    dock, other = chance.choice(docks), chance.choice(docks)
+    areas = (Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea)
+    how = chance.randrange(4)
+    if how == 0 and dock is not other:
+        window.tabifyDockWidget(dock, other)
+    elif how == 1 and dock is not other:
+        window.splitDockWidget(dock, other, chance.choice(tuple(Qt.Orientation)))
+    elif how == 2:
+        window.addDockWidget(chance.choice(areas), dock)
+    else:
+        window.resizeDocks([dock], [chance.choice((1, 90, 400, 3000))], Qt.Orientation.Vertical)
+    dock.setVisible(dock.isVisible())
 
 
 # -- files --
@@ -666,6 +747,10 @@ ACTIONS: Final[tuple[tuple[Callable[[Monkey], None], int], ...]] = (
     (wheel, 4),
     (zoom_far, 2),
     (press_keys, 6),
+    (hold_key, 3),
+    (disturbed_stroke, 6),
+    (lock_or_hide, 3),
+    (move_docks, 1),
     (shortcut, 4),
     (command, 8),
     (open_menu, 2),

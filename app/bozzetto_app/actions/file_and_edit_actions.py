@@ -139,6 +139,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
             session.drawing.history.undo_label is not None or session.gestures.edits.busy
         ),
         why_not=lambda: tr("Edit", "There is nothing to undo."),
+        repeats=True,
     )
     yield Action(
         "edit.redo",
@@ -149,6 +150,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
         menu,
         enabled=lambda: session.drawing.history.redo_label is not None,
         why_not=lambda: tr("Edit", "There is nothing to do again: nothing was undone."),
+        repeats=True,
     )
     yield Action(
         "edit.copy",
@@ -191,6 +193,7 @@ def edit_commands(window: Window) -> Iterator[Action]:
         "ink",
         enabled=lambda: bool(session.drawing.pending),
         why_not=lambda: tr("Edit", "No stroke is waiting. Undo takes back what is done."),
+        repeats=True,
         on_sheet=True,
     )
     yield Action(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from bozzetto_app.actions.registry import Action
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.selection import why_locked
 
 if TYPE_CHECKING:
     from bozzetto_app.main_window import Window
@@ -35,7 +36,7 @@ def object_commands(window: Window) -> Iterator[Action]:
     def not_free() -> str:
         if session.selection.model is None:
             return no_selection()
-        return tr("Object", "This object is locked. Unlock it to change it.")
+        return why_locked()
 
     def is_linked() -> bool:
         model = session.selection.model

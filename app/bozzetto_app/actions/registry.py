@@ -59,6 +59,9 @@ class Action(NamedTuple):
     on_sheet : bool
         What has the focus gets the keys first: Return, Tab and Backspace mean there what they
         always mean.
+    repeats : bool
+        Whether it is done again and again while its key is held down. A key that deletes, or
+        switches something, must be pressed anew each time.
     """
 
     id: str
@@ -73,6 +76,7 @@ class Action(NamedTuple):
     checked: Callable[[], bool] | None = None
     tip: str = ""
     on_sheet: bool = False
+    repeats: bool = False
 
     @property
     def plain_title(self) -> str:
@@ -203,7 +207,7 @@ class ActionRegistry(QObject):
         cannot = tr("Actions", "“{title}” cannot be done now.", title=action.plain_title)
         self.refused.emit(action.why_not() or cannot)
 
-    def take_key(self, key: str) -> bool:
+    def take_key(self, key: str, *, again: bool = False) -> bool:
         """Do the action of a key that nothing else wanted, or say why it cannot be done now.
 
         Parameters
@@ -211,6 +215,8 @@ class ActionRegistry(QObject):
         key : str
             As it came to the window: what has the focus had no use for it. So a key of the sheet
             means the same wherever the last click went.
+        again : bool
+            Whether the key is still held down since an earlier call.
 
         Returns
         -------
@@ -220,7 +226,8 @@ class ActionRegistry(QObject):
         action = self.holder(key)
         if action is None:
             return False
-        self.run(action.id)
+        if action.repeats or not again:
+            self.run(action.id)
         return True
 
     def refresh(self) -> None:
@@ -246,6 +253,7 @@ class ActionRegistry(QObject):
         made.setToolTip(action.tip or action.plain_title)
         made.setStatusTip(action.tip)
         made.setShortcuts([QKeySequence(key) for key in action.keys])
+        made.setAutoRepeat(action.repeats)
         made.setMenuRole(QAction.MenuRole.NoRole)
         if action.checked is not None:
             made.setCheckable(True)

@@ -247,6 +247,7 @@ class Canvas(QWidget):
         self._session.view.covered = left
         self.empty_hint.left = self.light.left = left
         self.empty_hint.update()
+        self._place_cube()
         self.light.lie_on(self.rect())
         self.pace_badge.lie_on(self.rect())
         self.thickness_scale.lie_on(self.rect(), left)
@@ -413,6 +414,7 @@ class Canvas(QWidget):
         the hand goes on.
         """
         self._touched = tap, again and not self._passed_over
+        self._session.toolbox.hold(False)  # it was no stroke, and the next tool may be taken
         self._answer_touch()
 
     def _forget_touch(self) -> None:
@@ -447,6 +449,7 @@ class Canvas(QWidget):
 
     def _mode_changed(self) -> None:
         mode = self.hand.machine.mode
+        self._session.toolbox.hold(mode.records)
         if mode not in (Mode.IDLE, Mode.CHOOSING):
             self.menu.close_menu()
         self._show_next_place()
@@ -465,7 +468,7 @@ class Canvas(QWidget):
         self.viewports.set_geometry(self.rect())
         self.overlay.setGeometry(self.rect())
         self.empty_hint.setGeometry(self.rect())
-        self.cube.move(self.width() - self.cube.width() - CUBE_MARGIN, CUBE_MARGIN)
+        self._place_cube()
         self.light.lie_on(self.rect())
         self.pace_badge.lie_on(self.rect())
         self.thickness_scale.lie_on(self.rect(), self.light.left)
@@ -474,6 +477,12 @@ class Canvas(QWidget):
         size = (float(max(self.width(), 1)), float(max(self.height(), 1)))
         if camera.viewport != size:
             self._session.view.set_camera(camera.with_viewport(*size))
+
+    def _place_cube(self) -> None:
+        """Put the cube at the upper right, or away where something else covers its place."""
+        left = self.width() - self.cube.width() - CUBE_MARGIN
+        self.cube.move(left, CUBE_MARGIN)
+        self.cube.setVisible(left >= self.empty_hint.left)
 
     def tabletEvent(self, event: QTabletEvent) -> None:
         self.hand.tablet(event)
@@ -508,12 +517,16 @@ class Canvas(QWidget):
         self.hand.hovering.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        if event.key() == Qt.Key.Key_Escape and (self.hand.cancel() or self._session.escape()):
-            return
+        again = event.isAutoRepeat()
+        if event.key() == Qt.Key.Key_Escape and (
+            again or self.hand.cancel() or self._session.escape()
+        ):
+            return  # held on after it dropped a stroke, it must not drop the waiting ink as well
         if event.key() == Qt.Key.Key_Space:
             self.hand.space_held = True
         elif event.key() == Qt.Key.Key_Q and not event.modifiers():
-            self.open_menu()
+            if not again:
+                self.open_menu()
         else:
             super().keyPressEvent(event)
 

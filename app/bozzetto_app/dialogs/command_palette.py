@@ -171,6 +171,7 @@ class CommandPalette(QFrame):
         self._open_document = open_document
         self._focus_parameter = focus_parameter
         self._entries: list[Entry] = []
+        self._most_rows = MOST_ROWS
         self.setObjectName("palette")
         self.setWindowTitle(tr("Palette", "Find a command"))
         self.setAccessibleName(self.windowTitle())
@@ -214,10 +215,13 @@ class CommandPalette(QFrame):
         self._actions.changed.connect(self._follow)
         self._session.toolbox.tool_changed.connect(self._follow)
         self.field.clear()
-        self._search()
         width = min(WIDTH, window.width() - 32)
         self.setFixedWidth(width)
         corner = QPoint((window.width() - width) // 2, min(96, window.height() // 8))
+        self._search()
+        left = window.height() - corner.y() - (self.height() - self.list.height())
+        self._most_rows = max(1, min(MOST_ROWS, left // ROW))
+        self._search()
         self.move(window.mapToGlobal(corner))
         self.show()
         self.field.setFocus(Qt.FocusReason.PopupFocusReason)
@@ -259,7 +263,7 @@ class CommandPalette(QFrame):
                 Qt.ItemDataRole.AccessibleTextRole,
                 f"{said}, {one.entry.key}" if one.entry.key else said,
             )
-        rows = min(len(found), MOST_ROWS)
+        rows = min(len(found), self._most_rows)
         self.list.setVisible(rows > 0)
         self.list.setFixedHeight(rows * ROW)
         self._nothing.setVisible(rows == 0)

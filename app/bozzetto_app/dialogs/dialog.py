@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QPushButton, QVBoxLa
 
 from bozzetto_app.style.theme import FRAME
 from bozzetto_app.toolkit.panel_scroll import PanelScroll
+from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 __all__ = ["Page", "label", "quiet"]
 
@@ -40,7 +41,8 @@ def quiet(words: str) -> QLabel:
 class Page(QDialog):
     """A dialog with a column to fill and a row of buttons.
 
-    On a screen that is too low for it the column is scrolled, so that the buttons are in reach.
+    On a screen that is too low for it the column is scrolled, so that the buttons are in reach, and
+    what must be seen before one is pressed is in sight.
 
     Parameters
     ----------
@@ -48,6 +50,11 @@ class Page(QDialog):
         Object name.
     title : str
         Of the window.
+
+    Attributes
+    ----------
+    in_sight : list of QWidget
+        Those in the column that lie above the buttons where the column is scrolled.
     """
 
     def __init__(self, name: str, title: str, parent: QWidget | None = None) -> None:
@@ -61,6 +68,8 @@ class Page(QDialog):
         self.column = QVBoxLayout()
         self.column.setSpacing(12)
         outer.addLayout(self.column, 1)
+        self.in_sight: list[QWidget] = []
+        self._pressed: list[QPushButton] = []
         self._buttons = QHBoxLayout()
         self._buttons.setSpacing(8)
         self._buttons.addStretch(1)
@@ -72,6 +81,7 @@ class Page(QDialog):
         button.setDefault(default)
         button.setAutoDefault(default)
         self._buttons.addWidget(button)
+        self._pressed.append(button)
         return button
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -79,19 +89,38 @@ class Page(QDialog):
         outer = self.layout()
         if outer is not None and outer.totalMinimumSize().height() > free.height():
             self._scroll()
+            self.resize(self.size().expandedTo(outer.totalMinimumSize()))
         self.resize(self.size().boundedTo(free))
         super().showEvent(event)
+
+    @property
+    def is_scrolled(self) -> bool:
+        """Whether the screen is too low for the column."""
+        return self.column.parentWidget() is not self
 
     def _scroll(self) -> None:
         """Put the column into an area that is scrolled."""
         outer, inner, area = self.layout(), QWidget(), PanelScroll(self)
-        if not isinstance(outer, QVBoxLayout) or self.column.parentWidget() is not self:
+        if not isinstance(outer, QVBoxLayout) or self.is_scrolled:
             return  # it is there already
         outer.removeItem(self.column)
         self.column.setParent(None)
         self.column.setContentsMargins(0, 0, 8, 0)
         inner.setLayout(self.column)
         area.setWidget(inner)
-        area.setMinimumWidth(inner.minimumSizeHint().width() + area.verticalScrollBar().width())
+        for widget in inner.findChildren(QWidget):
+            widget.ensurePolished()  # its letters may be larger in the style of this window
+        self.column.activate()
+        bar = area.verticalScrollBar().sizeHint().width()
+        area.setMinimumWidth(inner.minimumSizeHint().width() + bar)
         outer.insertWidget(0, area, 1)
+        for number, widget in enumerate(self.in_sight, 1):
+            self.column.removeWidget(widget)
+            outer.insertWidget(number, widget)
         outer.activate()
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        put_in_tab_order(self, (inner, *self._pressed))
+        for widget in inner.findChildren(QWidget):
+            if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and widget.isEnabled():
+                widget.setFocus()
+                break

@@ -73,6 +73,7 @@ class HandoverDialog(Page):
         self.state.setMinimumHeight(54)
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.column.addWidget(self.state)
+        self.in_sight.append(self.state)
         self.warning = label("", tone="warning")
         self.warning.hide()
         self.column.addWidget(self.warning)
@@ -279,6 +280,9 @@ class HandoverDialog(Page):
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
+        if seen.warnings and self.is_scrolled:
+            below = tr("Handover", "What to heed stands below the switches.")
+            self.state.setText(f"{self.state.text()}\n{below}")
         self.go.setEnabled(True)
 
     def showEvent(self, event: QShowEvent) -> None:

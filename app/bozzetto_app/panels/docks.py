@@ -65,6 +65,7 @@ class Docks(QObject):
         self._plugin_dock = self._dock("plugin-panel", "")
         self._plugin_dock.setWidget(self.plugin_panel)
         self._room: tuple[tuple[int, int], tuple[int, int]] | None = None
+        self._hidden: tuple[int, int] | None = None
         window.setTabPosition(RIGHT, QTabWidget.TabPosition.North)
         window.tabifyDockWidget(self._parameters_dock, self._plugin_dock)
         self.plugin_panel.changed.connect(self._show_plugin_panel)
@@ -120,10 +121,20 @@ class Docks(QObject):
         return any(not dock.isHidden() for dock in self._column)
 
     def show(self, shown: bool) -> None:
-        """Show all docks, or hide them."""
+        """Show all docks, as high as they were, or hide them."""
+        if self.are_shown and not shown:
+            self._hidden = self.ends
         for dock in self._column:
             dock.setVisible(shown)
         self._plugin_dock.setVisible(shown and self.plugin_panel.is_filled)
+        if shown:  # Qt gives the first what the others had
+            QTimer.singleShot(0, self, self._take_ends_back)
+
+    def _take_ends_back(self) -> None:
+        """Give the docks the heights that they had when they were hidden."""
+        ends, self._hidden = self._hidden, None
+        if ends is not None and self.are_shown:
+            self._resize_ends(ends)
 
     def show_plugin_dock(self) -> None:
         """Show the dock of a plugin's panel where there is something in it."""
@@ -170,8 +181,7 @@ class Docks(QObject):
         """Take back what a plugin's panel was given, unless a border was moved since."""
         room, self._room = self._room, None
         if room is not None and room[1] == self.ends:
-            objects, history = room[0]
-            self._resize((objects, max(1, self._height() - objects - history), history))
+            self._resize_ends(room[0])
 
     @property
     def ends(self) -> tuple[int, int]:
@@ -182,6 +192,11 @@ class Docks(QObject):
         """Return the height of all docks, that of the middle beside them."""
         middle: QWidget = self._window.centralWidget() or self._window
         return middle.height()
+
+    def _resize_ends(self, ends: tuple[int, int]) -> None:
+        """Give the objects and the history heights, and what is between the rest."""
+        objects, history = ends
+        self._resize((objects, max(1, self._height() - objects - history), history))
 
     def _resize(self, heights: tuple[int, int, int]) -> None:
         self._window.resizeDocks(self._column, list(heights), Qt.Orientation.Vertical)

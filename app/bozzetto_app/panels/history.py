@@ -105,7 +105,7 @@ class HistoryPanel(QListWidget):
         self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
-        self.setMinimumSize(200, 2 * ROW)
+        self.setMinimumSize(200, ROW)
         self.itemClicked.connect(self._go)
         self.itemActivated.connect(self._go)
         self.itemEntered.connect(lambda item: self._hover(self.row(item)))

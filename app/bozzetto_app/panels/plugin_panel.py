@@ -14,6 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.workbench.links import with_state
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ class _Host:
             if model is None:
                 raise UserError(tr("PluginPanel", "Choose an object to change it."))
             if model.locked:
-                raise UserError(tr("PluginPanel", "This object is locked. Unlock it to change it."))
+                raise UserError(why_locked())
             session.registry.guarded(self._modeler).check_state(state, "its panel")
             changed = with_state(session.registry, model, state)
             document = session.drawing.document.with_model(changed)

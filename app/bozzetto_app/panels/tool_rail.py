@@ -6,7 +6,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QContextMenuEvent, QKeyEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QKeyEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPolygonF,
+    QResizeEvent,
+)
 from PySide6.QtWidgets import QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from bozzetto_app.i18n import tr
@@ -24,9 +32,15 @@ __all__ = ["ToolRail"]
 SIDE = 44
 """Side of a tool's button, px: what a finger or a pen on glass hits surely."""
 
-LOWEST = 24
+LOWEST = 18
 """Height of a button in a window that is too low for all of them, px. A rail that kept its height
 would make the window higher than the screen when the first ink waits."""
+
+GAPS = (4, 1)
+"""Distance between buttons where there is room, and where there is none, px."""
+
+MARGINS = (8, 4)
+"""The same at both ends of the rail, px."""
 
 DOT = 4.0
 """Radius of the dot at the tool that is to be taken next, px."""
@@ -186,14 +200,14 @@ class ToolRail(QWidget):
         waiting.setSpacing(4)
         for widget in (hairline(), self._count, self._finish, self._drop):
             waiting.addWidget(widget)
+        self._ends = waiting
 
         self._play = _RailButton("play", tr("ToolRail", "Play or stop"), key="P")
         self._play.setObjectName("play")
         self._play.clicked.connect(session.gestures.motion.play)
 
         self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(4, 8, 4, 8)
-        self._column.setSpacing(4)
+        self._space_out(GAPS[0], MARGINS[0])
         self._column.addWidget(self._play)
         self._column.addStretch(1)
         self._column.addWidget(self._waiting)
@@ -205,6 +219,31 @@ class ToolRail(QWidget):
         self.refresh()
         self._show_waiting()
         self._show_play()
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the size with the narrowest gaps, which a low window takes."""
+        layout = self._column
+        items = map(layout.itemAt, range(layout.count()))
+        lines = sum(item is not None and not item.isEmpty() for item in items)
+        inner = max(0, self._ends.count() - 1) if not self._waiting.isHidden() else 0
+        spared = (lines + inner) * (layout.spacing() - GAPS[1])
+        spared += 2 * (layout.contentsMargins().top() - MARGINS[1])
+        return QSize(self.width(), layout.minimumSize().height() - max(0, spared))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        self._spread()
+        super().resizeEvent(event)
+
+    def _spread(self) -> None:
+        """Take narrower gaps in a window that is too low for the usual ones."""
+        self._space_out(GAPS[0], MARGINS[0])
+        if self._column.minimumSize().height() > self.height():
+            self._space_out(GAPS[1], MARGINS[1])
+
+    def _space_out(self, gap: int, margin: int) -> None:
+        self._column.setContentsMargins(4, margin, 4, margin)
+        self._column.setSpacing(gap)
+        self._ends.setSpacing(gap)
 
     def refresh(self) -> None:
         """Show the tools that the active modeler has now."""
@@ -221,6 +260,7 @@ class ToolRail(QWidget):
             self._column.insertWidget(place, button)
             self._buttons.append(button)
         self._mark()
+        self._spread()
 
     def _press(self, button: _ToolButton) -> None:
         if button.opens and button.tool.id == self._session.toolbox.tool:
@@ -270,6 +310,7 @@ class ToolRail(QWidget):
     def _show_waiting(self) -> None:
         count = len(self._session.drawing.pending)
         self._waiting.setVisible(count > 0)
+        self._spread()
         self._count.setText(str(count))
         said = tr("ToolRail", "Strokes waiting: {count}", count=count)
         reasons = dict.fromkeys(one.reason for one in self._session.drawing.marked_ink)

@@ -104,7 +104,14 @@ class DocumentModel(QObject):
 
     # -- changing --
 
-    def commit(self, label: str, document: Document, merge_key: str | None = None) -> None:
+    def commit(
+        self,
+        label: str,
+        document: Document,
+        merge_key: str | None = None,
+        *,
+        is_back: Callable[[Document], bool] = lambda before: False,
+    ) -> None:
         """Replace the snapshot, as one step of the history.
 
         Parameters
@@ -115,7 +122,13 @@ class DocumentModel(QObject):
             The new snapshot.
         merge_key : str, optional
             Steps with the same key become one; it marks the values of a drag.
+        is_back : callable
+            Whether the value that is dragged is the one in the snapshot before the drag: then
+            that one is taken again, and no step is left.
         """
+        before = self.history.before_merge(merge_key)
+        if before is not None and is_back(before):
+            document = before
         self.history.apply(label, document, merge_key)
         self._models_replaced(dragging=merge_key is not None)
 

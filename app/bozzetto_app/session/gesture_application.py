@@ -9,7 +9,7 @@ from bozzetto.errors import Unfinished, UserError
 from bozzetto.plugin.gesture import Ink
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.selection import target_of
+from bozzetto_app.session.selection import target_of, why_locked
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
@@ -145,7 +145,7 @@ def _refuse_closed(model: Model | None, modeler_id: str) -> None:
     if model is None or model.modeler != modeler_id:
         return
     if model.locked:
-        raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
+        raise UserError(why_locked())
     if not model.visible:
         raise UserError(tr("Session", "This object is hidden. Show it to change it."))
 

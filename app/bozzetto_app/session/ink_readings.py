@@ -18,6 +18,7 @@ from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.ink.stroke import Stroke
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
@@ -186,7 +187,7 @@ class InkReadings(QObject):
                 self._drawing.apply_model(label, model, is_new=True, used=ink.strokes)
                 return
             if old.locked:
-                raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
+                raise UserError(why_locked())
         except UserError as problem:
             self._notices.complain(problem)
             return

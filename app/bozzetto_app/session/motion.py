@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.errors import UserError
-from bozzetto_app.i18n import tr
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.channel import Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
@@ -235,7 +235,7 @@ class Motion(QObject):
         if model is None:
             return
         if model.locked:
-            said = tr("Session", "This object is locked. Unlock it to change it.")
+            said = why_locked()
             self._notices.complain(UserError(said))
             return
         key = f"motion {next(self._numbers)}"

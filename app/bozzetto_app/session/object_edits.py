@@ -14,6 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.workbench.links import with_sources
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
@@ -62,7 +63,11 @@ class ObjectEdits:
         self._solver, self._notices = solver, notices
 
     def edit(
-        self, change: Callable[..., Edit], *details: Any, merge_key: str | None = None
+        self,
+        change: Callable[..., Edit],
+        *details: Any,
+        merge_key: str | None = None,
+        is_back: Callable[[Document], bool] = lambda before: False,
     ) -> None:
         """Make an edit of `bozzetto.document.edit` that may refuse.
 
@@ -74,13 +79,15 @@ class ObjectEdits:
             Further arguments of `change`.
         merge_key : str, optional
             See `DocumentModel.commit`.
+        is_back : callable
+            See `DocumentModel.commit`.
         """
         try:
             document, label = change(self._drawing.document, *details)
         except (UserError, PluginFault) as problem:
             self._notices.complain(problem)
             return
-        self._drawing.commit(label, document, merge_key)
+        self._drawing.commit(label, document, merge_key, is_back=is_back)
 
     # -- parameters --
 
@@ -99,7 +106,7 @@ class ObjectEdits:
             return
         try:
             if model.locked:
-                raise UserError(tr("Session", "This object is locked. Unlock it to change it."))
+                raise UserError(why_locked())
             changed = self._workbench.set_parameters(model, {name: value})
             document = self._drawing.document.with_model(changed)
         except (UserError, PluginFault) as problem:
@@ -108,7 +115,12 @@ class ObjectEdits:
         fields = self.parameters
         label = next((field.parameter.label for field, _ in fields if field.name == name), name)
         key = f"parameter {model.id} {name}" if dragging else None
-        self._drawing.commit(label, document, key)
+
+        def is_back(before: Document) -> bool:
+            known = getattr(before.model(model.id).state, name, None)
+            return known is not None and bool(known == getattr(changed.state, name, None))
+
+        self._drawing.commit(label, document, key, is_back=is_back)
 
     def end_drag(self) -> None:
         """Note that a slider was released: the next change is a step of its own."""
@@ -120,7 +132,11 @@ class ObjectEdits:
     def set_placement(self, model_id: str, placement: Placement, *, dragging: bool = False) -> None:
         """Move a model; the drag of a field is one step."""
         key = f"place {model_id}" if dragging else None
-        self.edit(edit.place_model, model_id, placement, merge_key=key)
+
+        def is_back(before: Document) -> bool:
+            return before.model(model_id).placement == placement
+
+        self.edit(edit.place_model, model_id, placement, merge_key=key, is_back=is_back)
 
     def rename(self, model_id: str, name: str) -> None:
         """Give a model another name."""

@@ -17,7 +17,7 @@ from bozzetto_app.session.object_edits import ObjectEdits, fields_of
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
-    from bozzetto.document.model import Model
+    from bozzetto.document.model import Document, Model
     from bozzetto.parameters import Field
     from bozzetto.plugin.part_tree import PartTree
     from bozzetto.workbench.workbench import Workbench
@@ -236,14 +236,20 @@ class ObjectParts:
             changed = edits.set(model, part_id, {name: value}).model
             return PartEdit(changed, labels.get(name, name))
 
+        def value_in(document: Document) -> object:
+            tree = self._workbench.parts.remembered(document.model(model_id))
+            part = None if tree is None else tree.part(part_id)
+            return getattr(part, name, None)
+
         key = f"part {model_id} {part_id} {name}" if dragging else None
-        self._edit(model_id, change, key)
+        self._edit(model_id, change, key, is_back=lambda before: value_in(before) == value)
 
     def _edit(
         self,
         model_id: str,
         change: Callable[[PartEdits, Model], PartEdit],
         merge_key: str | None = None,
+        is_back: Callable[[Document], bool] = lambda before: False,
     ) -> None:
         document = self._drawing.document
         try:
@@ -253,7 +259,7 @@ class ObjectParts:
         except (UserError, PluginFault) as problem:
             self._notices.complain(problem)
             return
-        self._drawing.commit(label, document, merge_key)
+        self._drawing.commit(label, document, merge_key, is_back=is_back)
 
     def _in_time(self, model: Model, ask: Callable[[PartEdits], Answer]) -> Answer:
         bench = self._workbench

@@ -6,11 +6,18 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
+from bozzetto_app.i18n import tr
+
 if TYPE_CHECKING:
     from bozzetto.document.model import Document, Model
     from bozzetto_app.session.document_model import DocumentModel
 
-__all__ = ["Selection", "target_of"]
+__all__ = ["Selection", "target_of", "why_locked"]
+
+
+def why_locked() -> str:
+    """Return what is said where a locked object was to be changed."""
+    return tr("Session", "This object is locked. Unlock it to change it.")
 
 
 def target_of(model: Model | None, modeler_id: str) -> Model | None:

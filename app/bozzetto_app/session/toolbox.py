@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 from PySide6.QtCore import QObject, Signal
@@ -12,6 +13,8 @@ from bozzetto_app.session.tool_groups import ToolGroup, ToolInfo, groups_of
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bozzetto.plugin.host.registry import ModelerInfo
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
@@ -62,6 +65,8 @@ class Toolbox(QObject):
         self.tools: tuple[ToolInfo, ...] = ()
         self.last_used: dict[str, str] = {}
         self._known: dict[str, tuple[ToolInfo, ...]] = {}
+        self._is_held = False
+        self._chosen: Callable[[], None] | None = None
         self.channel = Channel("tools", time_limit=TOOLS_LIMIT, is_patient=True, parent=self)
         notices.watch(self.channel)
         self._workbench, self._selection, self._notices = workbench, selection, notices
@@ -90,9 +95,25 @@ class Toolbox(QObject):
             self.modeler = ""
             self.modeler_changed.emit()
 
+    def hold(self, held: bool) -> None:
+        """Keep the tool in the hand while a gesture is made with it.
+
+        Parameters
+        ----------
+        held : bool
+            Whether one is under way. What is chosen meanwhile, by a number key for example, is
+            taken when it ends: a stroke belongs to the tool with which it was begun.
+        """
+        self._is_held = held
+        if not held and self._chosen is not None:
+            take, self._chosen = self._chosen, None
+            take()
+
     def take_modeler(self, modeler_id: str) -> None:
         """Draw with another modeler; waiting ink stays."""
-        if modeler_id != self.modeler:
+        if self._is_held:
+            self._chosen = partial(self.take_modeler, modeler_id)
+        elif modeler_id != self.modeler:
             self.channel.cancel()
             self.prefer(modeler_id)
             self.ask_for_tools()
@@ -171,6 +192,9 @@ class Toolbox(QObject):
 
     def take_tool(self, tool_id: str) -> None:
         """Draw with another tool of the active modeler."""
+        if self._is_held:
+            self._chosen = partial(self.take_tool, tool_id)
+            return
         for tool in self.tools:
             if tool.id == tool_id == self.tool:
                 words = tr("Session", "“{title}” is in the hand already.", title=tool.title)

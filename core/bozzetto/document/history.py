@@ -125,16 +125,17 @@ class History:
             The new snapshot.
         merge_key : str, optional
             A step with the key of the step just before becomes one with it, until
-            `end_merge`, an undo or a save: the drag of a slider is one step.
+            `end_merge`, an undo or a save: the drag of a slider is one step, and none if it
+            ends with the snapshot before it (`before_merge`).
         drawn : bool
             It came from a hand on the sheet, and undo has to bring it back for ever.
         """
         if document is self.document:
             return
-        key = self._steps[self._position].merge_key
-        merging = self._open and merge_key is not None and merge_key == key and self._position > 0
-        if merging:
-            self.undo()
+        if self.before_merge(merge_key) is not None and document is self.undo():
+            self._held -= self._steps[-1].added
+            del self._steps[-1]
+            return
         undone = self._steps[self._position + 1 :]
         if any(step.drawn for step in undone):
             present = self._steps[self._position]
@@ -188,6 +189,16 @@ class History:
         for place in range(first, len(self._steps)):
             self._put(place, change(self._steps[place].document), is_other=True)
         self._open = False
+
+    def before_merge(self, merge_key: str | None) -> Document | None:
+        """Return the snapshot before the step that the next one with a key becomes one with.
+
+        None if the next one is a step of its own.
+        """
+        key = self._steps[self._position].merge_key
+        if not self._open or merge_key is None or merge_key != key or not self._position:
+            return None
+        return self._steps[self._position - 1].document
 
     def place_where(self, holds: Callable[[Document], bool]) -> int | None:
         """Return the first step from which, up to the present, something always holds."""

@@ -205,7 +205,8 @@ class Layer:
         Id of the tool that it belongs to: it is there only while that tool is in the hand and
         its model is selected. "" is there always.
     chosen : bool
-        Whether it is there only while its model is selected, such as a picture to work on.
+        Whether it is there only while its model is selected, such as a picture to work on, or
+        the chosen part in the accent colour: what has it is what the next key changes.
     revision : int
         Fresh for every layer made; equal revisions mean equal content, so a viewport may
         keep what it has uploaded.

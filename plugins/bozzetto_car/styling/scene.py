@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -41,19 +42,30 @@ def styling_items(state: CarState, body: Body) -> tuple[Item, ...]:
     """
     made: list[Item] = []
     images: list[Item] = []
+    for curve, points, starts in _drawn(state, body):
+        made.append(_line(points, starts, curve.color or "ink", WIDTH))
+        if curve.both:
+            images.append(_line(points * MIRROR, starts, "second", WIDTH))
+    return (*images, *made)
+
+
+def chosen_styling(state: CarState, body: Body) -> tuple[Item, ...]:
+    """Return the items of the chosen styling curve, which lie over those of all."""
+    made: list[Item] = []
+    for curve, points, starts in _drawn(state, body):
+        if curve.id == state.selected:
+            made.append(_line(points, starts, "accent", CHOSEN_WIDTH))
+            if curve.both:
+                made.insert(0, _line(points * MIRROR, starts, "second", CHOSEN_WIDTH))
+    return tuple(made)
+
+
+def _drawn(state: CarState, body: Body) -> Iterator[tuple[StylingCurve, Array, Index]]:
+    """Yield the visible curves with their places on the body, (n, 3) mm, and where lines begin."""
     curves = shown_styling(state)
     for curve, lines in zip(curves, _all_laid_out(curves, body), strict=True):
-        chosen = curve.id == state.selected
-        paint: Paint = "accent" if chosen else curve.color or "ink"
-        if not lines:
-            continue
-        points = np.concatenate(lines)
-        starts = np.cumsum([0, *(len(line) for line in lines[:-1])])
-        width = CHOSEN_WIDTH if chosen else WIDTH
-        made.append(_line(points, starts, paint, width))
-        if curve.both:
-            images.append(_line(points * MIRROR, starts, "second", width))
-    return (*images, *made)
+        if lines:
+            yield curve, np.concatenate(lines), np.cumsum([0, *(len(line) for line in lines[:-1])])
 
 
 def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:

@@ -17,7 +17,7 @@ from bozzetto_car.body.wheels import wheel_meshes
 from bozzetto_car.parts.trim import mirror_meshes
 from bozzetto_car.parts.windows import inset_meshes
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.styling.scene import styling_items
+from bozzetto_car.styling.scene import chosen_styling, styling_items
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.view.edge_items import (
     crease_labels,
@@ -59,6 +59,7 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
     if is_shown(state, body):
         layers += body_layers(state, body)
     layers.append(Layer("styling", styling_items(state, body)))
+    layers.append(Layer("chosen styling", chosen_styling(state, body), chosen=True))
     layers += mark_layers(state, body)
     layers += mesh_layers(state)
     return Scene(tuple(layer for layer in layers if layer.items))

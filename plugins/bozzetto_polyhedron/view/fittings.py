@@ -52,14 +52,17 @@ END: Final = 7.0
 """Diameter of the ends of fittings, px."""
 
 
-def fitting_items(state: PolyhedronState, made: Moving, motion: Motion) -> list[Item]:
-    """Return all fittings that are shown."""
+def fitting_items(
+    state: PolyhedronState, made: Moving, motion: Motion, *, chosen: bool = False
+) -> list[Item]:
+    """Return all fittings that are shown; or the chosen one alone, as it lies over them."""
     items: list[Item] = []
     radius = ROUND * made.extent
     for fitting in state.fittings():
+        if chosen and fitting.id != state.selected:
+            continue
         ends = _ends(state, made, motion, fitting)
         if ends is not None and is_near((*ends.ravel(), radius)):
-            chosen = fitting.id == state.selected
             items += _items(fitting, ends, _side(made, fitting), radius, chosen)
     return items
 

@@ -34,9 +34,12 @@ from bozzetto_polyhedron.view.solid_layers import (
 
 LAYERS = (
     *("solid", "added", "ink", "lines", "findings", "dimensions"),
-    *("fittings", "forces", "traces", "anchors", "page", "handles"),
+    *("fittings", "chosen fitting", "forces", "traces", "anchors", "page", "handles"),
 )
 """Names of the layers in the order in which they are drawn."""
+
+CHOSEN = "chosen fitting"
+"""Name of the layer that is shown while the object is selected."""
 
 HANDLES = "handles"
 """Name of the layer that is shown with the tool that drags it."""
@@ -70,7 +73,9 @@ def scene_of(
             if part.id in made.numbers:
                 layers["solid"] += followed_items(part, made, made.motion(state.moved))
                 layers["anchors"] += anchor_items(part, made, made.motion(state.moved))
-        layers["fittings"] += fitting_items(state, made, made.motion(state.moved))
+        motion = made.motion(state.moved)
+        layers["fittings"] += fitting_items(state, made, motion)
+        layers[CHOSEN] += fitting_items(state, made, motion, chosen=True)
         if state.forces:
             layers["forces"] += force_items(state, made)
         layers["traces"] += trace_items(state, made)
@@ -81,7 +86,12 @@ def scene_of(
     layers["page"] += page_items(page_curves(state, results))
     return Scene(
         tuple(
-            Layer(name, tuple(items), tool="push" if name == HANDLES else "")
+            Layer(
+                name,
+                tuple(items),
+                tool="push" if name == HANDLES else "",
+                chosen=name == CHOSEN,
+            )
             for name, items in layers.items()
             if items
         )

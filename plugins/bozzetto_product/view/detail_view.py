@@ -10,8 +10,9 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
-from bozzetto.scene import Handle, Label, Lines, Shaded
+from bozzetto.scene import Handle, Label, Lines, Paint, Shaded
 from bozzetto.view import triple
+from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.details.ground import Ground, followed_outline
 from bozzetto_product.details.outline_places import tangent_axes
 from bozzetto_product.details.shell import Owner, Shell, face_meshes, group_of
@@ -119,19 +120,27 @@ def _apart(color: Color) -> Color:
     return red, green, blue
 
 
-def outline_items(result: ProductResult, selected: str) -> Iterator[Lines | Label]:
-    """Yield the outlines of the chosen detail, and of those not carved, which say why."""
+def chosen_outline(result: ProductResult, selected: str) -> Iterator[Lines]:
+    """Yield the outline of the chosen detail."""
     for one in result.detailed.details:
-        chosen = one.detail.id == selected
-        if not one.outlines or not (chosen or one.problem):
-            continue
-        points = np.concatenate(one.outlines).astype(np.float32)
-        starts = np.cumsum([0, *(len(row) for row in one.outlines[:-1])]).astype(np.int32)
-        color = "warning" if one.problem else "accent"
-        yield Lines(points, starts, color=color, width=WIDTH + chosen)
-        if one.problem:
-            topmost = points[int(np.argmax(points[:, 2]))]
+        if one.detail.id == selected and one.outlines:
+            yield _outline(one, "accent", WIDTH + 1.0)
+
+
+def problem_outlines(result: ProductResult) -> Iterator[Lines | Label]:
+    """Yield the outlines of details that are not carved, which say why."""
+    for one in result.detailed.details:
+        if one.outlines and one.problem:
+            outline = _outline(one, "warning", WIDTH)
+            yield outline
+            topmost = outline.points[int(np.argmax(outline.points[:, 2]))]
             yield Label(triple(topmost), one.problem.split(". ")[0].rstrip("."), "warning")
+
+
+def _outline(one: SolvedDetail, color: Paint, width: float) -> Lines:
+    points = np.concatenate(one.outlines).astype(np.float32)
+    starts = np.cumsum([0, *(len(row) for row in one.outlines[:-1])]).astype(np.int32)
+    return Lines(points, starts, color=color, width=width)
 
 
 def emblem_handles(state: ProductState, result: ProductResult) -> Iterator[Handle]:

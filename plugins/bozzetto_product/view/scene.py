@@ -26,8 +26,9 @@ from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.view.colors import colors_of
 from bozzetto_product.view.detail_view import (
     EMBLEM_TOOL,
+    chosen_outline,
     emblem_handles,
-    outline_items,
+    problem_outlines,
     surface_items,
     wall_meshes,
 )
@@ -106,11 +107,13 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
         layers.append(Layer("let go", tuple(_as_drawn(state, result))))
         layers.append(Layer("margins of curves", tuple(_margins(state, curves))))
     layers.append(Layer("curves", tuple(_curves(state, curves))))
+    layers.append(Layer("chosen curve", tuple(_chosen_curve(state, curves)), chosen=True))
     layers.append(Layer("plane", tuple(_plane(state)), tool="" if _lies_so(state) else PLANE_TOOL))
     if result is not None:
         layers += [
-            Layer("chosen surface", tuple(_chosen(state, result))),
-            Layer("outlines", tuple(outline_items(result, state.selected))),
+            Layer("chosen surface", tuple(_chosen(state, result)), chosen=True),
+            Layer("outlines", tuple(problem_outlines(result))),
+            Layer("chosen outline", tuple(chosen_outline(result, state.selected)), chosen=True),
             Layer("joints", tuple(_joints(result))),
             Layer("gaps", tuple(_gaps(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),
@@ -167,11 +170,11 @@ def _walls(result: ProductResult) -> Layer:
 
 def _margins(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
     """Yield what parts curves from the paint of the surfaces on both sides."""
-    for curve, points, _ in _seen(state, curves):
+    for _, points, _ in _seen(state, curves):
         yield Lines(
             points.astype(np.float32),
             color="paper",
-            width=_width(state, curve) + 2.0 * MARGIN,
+            width=WIDTH + 2.0 * MARGIN,
             opacity=MARGIN_OPACITY,
             hidden="hide",
         )
@@ -179,12 +182,14 @@ def _margins(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
 
 def _curves(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
     for curve, points, mirrored in _seen(state, curves):
-        color = "accent" if curve.id == state.selected else curve.color or "ink"
-        yield lines([points], "second" if mirrored else color, _width(state, curve))
+        yield lines([points], "second" if mirrored else curve.color or "ink", WIDTH)
 
 
-def _width(state: ProductState, curve: Curve) -> float:
-    return CHOSEN_WIDTH if curve.id == state.selected else WIDTH
+def _chosen_curve(state: ProductState, curves: Iterable[Curve]) -> Iterator[Lines]:
+    """Yield the chosen curve and its mirror image, over those that are there always."""
+    chosen = (curve for curve in curves if curve.id == state.selected)
+    for _, points, mirrored in _seen(state, chosen):
+        yield lines([points], "second" if mirrored else "accent", CHOSEN_WIDTH)
 
 
 def _seen(state: ProductState, curves: Iterable[Curve]) -> Iterator[tuple[Curve, Array, bool]]:

@@ -37,23 +37,32 @@ DEVIATION_WIDTH = 3.0
 """Pixels."""
 
 
-def ink_layer(state: SilhouetteState) -> Layer:
+def ink_layers(state: SilhouetteState) -> tuple[Layer, Layer]:
     """Return the ink of all parts that are shown, where they stand now.
 
-    Of a part whose outline was changed since, the outline takes the place of the ink. The
-    profile is shown of the part that is chosen.
+    Of a part whose outline was changed since, the outline takes the place of the ink. The ink and
+    the profile of the part that is chosen lie over it in the accent colour, while the object is
+    selected: what has that colour is what the next key changes.
     """
-    items = []
+    items, accents = [], []
     for part in shown_parts(state):
-        chosen = part.id == state.selected
-        color = "accent" if chosen else "ghost"
-        if part.edits:
-            items.append(_outline(state, part, color))
-        elif len(part.strokes):
-            items.append(_ink(part, carried(state, part), color))
-        if chosen and len(part.profile):
-            items.append(_lines(_profile(state, part), color, dashed=True))
-    return Layer("ink", tuple(item for item in items if len(item.points)))
+        items.append(_drawn(state, part, "ghost"))
+        if part.id == state.selected:
+            accents.append(_drawn(state, part, "accent"))
+            if len(part.profile):
+                accents.append(_lines(_profile(state, part), "accent", dashed=True))
+    seen, chosen = (
+        tuple(item for item in each if item is not None and len(item.points))
+        for each in (items, accents)
+    )
+    return Layer("ink", seen), Layer("ink", chosen, chosen=True)
+
+
+def _drawn(state: SilhouetteState, part: Part, color: str) -> Lines | None:
+    """Return what was drawn of a part; None if nothing was."""
+    if part.edits:
+        return _outline(state, part, color)
+    return _ink(part, carried(state, part), color) if len(part.strokes) else None
 
 
 def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) -> Layer | None:
@@ -70,7 +79,7 @@ def deviation_layer(state: SilhouetteState, part: Part, solid: SilhouetteSolid) 
         ]
         if runs:
             items.append(_joined(runs, color, DEVIATION_WIDTH, "show"))
-    return Layer("fidelity", tuple(items)) if items else None
+    return Layer("fidelity", tuple(items), chosen=True) if items else None
 
 
 @remembered(limit=16)

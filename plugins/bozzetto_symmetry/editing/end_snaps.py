@@ -125,6 +125,8 @@ def with_end_snaps(
 def settled_ends(curve: SpaceCurve, node: Curve, state: SymmetryState) -> int:
     """Return how many ends of a solved curve are where they settled.
 
+    Of a curve that is its own mirror image both ends are, or none is: its second half is solved.
+
     Parameters
     ----------
     curve : SpaceCurve
@@ -141,7 +143,8 @@ def settled_ends(curve: SpaceCurve, node: Curve, state: SymmetryState) -> int:
     both = np.vstack((meant, meant * MIRROR))
     ends = curve.spline.value([curve.spline.range[number] for number in numbers])
     away = np.linalg.norm(ends[:, None] - both, axis=2).min(axis=1)
-    return int((away <= SAME_PLACE * state.diagonal).sum())
+    found = int((away <= SAME_PLACE * state.diagonal).sum())
+    return 2 * found if curve.reading == "self" else found
 
 
 def _meant(

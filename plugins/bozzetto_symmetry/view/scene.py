@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import FLATNESS, flattened
@@ -45,35 +46,45 @@ def scene_of(state: SymmetryState, traces: Mapping[str, Trace]) -> Scene:
     layers = [*box_layers(state), *plane_layers(state)]
     shown = [(curve, traces[curve.id]) for curve in state.shown_curves if curve.id in traces]
     layers.append(Layer("curves", tuple(_items(state, shown))))
+    layers.append(Layer("chosen curve", tuple(_chosen(state, shown)), chosen=True))
     layers.append(line_layer(state, state.shown_lines))
     for curve, trace in shown:
         if curve.id == state.selected and trace.curve is not None:
-            layers.append(Layer("heat", tuple(_heat(state, trace))))
+            layers.append(Layer("heat", tuple(_heat(state, trace)), chosen=True))
             if trace.ghost is not None:
                 items = curve_lines(trace.ghost, state, camera_of(trace), "ghost", 1.0, 0.7)
-                layers.append(Layer("ghost", items))
+                layers.append(Layer("ghost", items, chosen=True))
             if not curve.edits and (loose := unmatched_ink(trace)):
                 pieces = [state.plane.placement.points(end) for end in loose]
-                layers.append(Layer("loose ends", (joined(pieces, "warning", LOOSE_WIDTH),)))
+                items = (joined(pieces, "warning", LOOSE_WIDTH),)
+                layers.append(Layer("loose ends", items, chosen=True))
     waiting = [(c, t) for c, t in shown if t.reading == "half"]
-    fans = [
-        item
-        for curve, trace in waiting
-        for view in trace.views
-        for item in fan(view, state, chosen=curve.id == state.selected)
-    ]
+    fans = [item for _, trace in waiting for view in trace.views for item in fan(view, state)]
     layers.append(Layer("waiting", tuple(fans)))
+    inks = [
+        Lines(ink, color="accent", width=CHOSEN_WIDTH, hidden="show")
+        for curve, trace in waiting
+        if curve.id == state.selected
+        for view in trace.views
+        for ink, _ in _waiting(view, state)
+    ]
+    layers.append(Layer("waiting ink", tuple(inks), chosen=True))
     return Scene(tuple(layer for layer in layers if layer.items))
 
 
 def _items(state: SymmetryState, shown: Sequence[tuple[Curve, Trace]]) -> Iterable[Lines]:
     for curve, trace in shown:
-        if trace.curve is None:
-            continue
-        chosen = curve.id == state.selected
-        color: Paint = "accent" if chosen else curve.color or "ink"
-        width = CHOSEN_WIDTH if chosen else WIDTH
-        yield from curve_lines(trace.curve, state, camera_of(trace), color, width)
+        if trace.curve is not None:
+            camera, color = camera_of(trace), curve.color or "ink"
+            yield from curve_lines(trace.curve, state, camera, color, WIDTH)
+
+
+def _chosen(state: SymmetryState, shown: Sequence[tuple[Curve, Trace]]) -> Iterable[Lines]:
+    """Yield the chosen curve again, over those that are there always."""
+    for curve, trace in shown:
+        if curve.id == state.selected and trace.curve is not None:
+            camera = camera_of(trace)
+            yield from curve_lines(trace.curve, state, camera, "accent", CHOSEN_WIDTH)
 
 
 def camera_of(trace: Trace) -> Camera:
@@ -133,19 +144,24 @@ def _heat(state: SymmetryState, trace: Trace) -> Iterable[Lines]:
     return heat_bands([(place.points(side), trace.sigma) for side in sides], state.diagonal)
 
 
-def fan(view: View, state: SymmetryState, *, chosen: bool) -> Iterable[Lines]:
-    """Yield a side that waits: the rays on which its curve must lie, and its ink inside the box."""
+def fan(view: View, state: SymmetryState) -> Iterable[Lines]:
+    """Yield a side that waits: its ink inside the box, and rays on which its curve must lie."""
+    for ink, pieces in _waiting(view, state):
+        yield Lines(ink, color="ink", width=WIDTH, hidden="show")
+        yield joined(pieces, "second", 1.0, 0.35)
+
+
+def _waiting(view: View, state: SymmetryState) -> Iterable[tuple[NDArray[np.float32], Array]]:
+    """Yield the ink of each side that waits, (n, 3) mm, and some of its rays, (m, 2, 3) mm."""
     for side in view.sides:
         begin, end = _in_box(view.stereo, side.pixels, state.bounds)
         if len(begin) < 2:
             continue
         place = state.plane.placement
         ink = place.points(_upright(view.stereo, begin, end, state.bounds)).astype(np.float32)
-        color = "accent" if chosen else "ink"
-        yield Lines(ink, color=color, width=CHOSEN_WIDTH if chosen else WIDTH, hidden="show")
         rays = np.linspace(0, len(begin) - 1, min(FAN, len(begin))).astype(int)
         points = place.points(np.stack((begin[rays], end[rays]), axis=1).reshape(-1, 3))
-        yield joined(points.reshape(-1, 2, 3), "second", 1.0, 0.35)
+        yield ink, points.reshape(-1, 2, 3)
 
 
 def _upright(stereo: Stereo, begin: Array, end: Array, bounds: Array) -> Array:

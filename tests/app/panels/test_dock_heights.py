@@ -51,3 +51,24 @@ def test_the_chosen_row_stays_in_sight_when_the_list_becomes_lower(make_window, 
         qtbot.wait(50)
         seen = rows.visualItemRect(rows.currentItem())
         assert 0 <= seen.top() < seen.bottom() <= rows.viewport().height()
+
+
+@pytest.mark.parametrize("modeler", ["bozzetto.silhouette", "bozzetto.polyhedron"])
+def test_panels_that_were_hidden_are_as_high_as_before(make_window, settle, qtbot, modeler):
+    """The objects took what the parameters had, more with every Tab."""
+    window = make_window(modeler)
+    window.resize(1280, 800)
+    window.show()
+    qtbot.wait(50)
+    Stylus(window.canvas).draw([(400, 300), (460, 300), (430, 360), (400, 301)])
+    settle(window.session, window.keeper)
+    qtbot.wait(200)
+    window.docks._resize((150, 400, 160))
+    qtbot.wait(200)
+    before = window.docks.ends
+    for _ in range(3):
+        window.toggle_panels()
+        qtbot.wait(300)
+        window.toggle_panels()
+        qtbot.wait(300)
+        assert window.docks.ends == pytest.approx(before, abs=2)

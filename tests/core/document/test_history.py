@@ -91,6 +91,27 @@ def test_a_drag_ends(between):
     assert history.undo() is (other if between in ("other", "unkeyed") else first)
 
 
+def test_a_drag_that_ends_where_it_began_is_no_step():
+    first, second, third, fourth = documents(4)
+    history = History(first)
+    history.apply("Made", second)
+    history.mark_saved()
+    held = history.held_bytes
+    for round_ in range(2):
+        history.apply("Size", third, "size")
+        assert history.before_merge("size") is second
+        assert history.before_merge("other") is None
+        history.apply("Size", fourth, "size")
+        assert history.is_modified
+        history.apply("Size", second, "size")
+        assert (history.entries, history.document) == (("Start", "Made"), second), round_
+        assert not history.is_modified
+        assert history.held_bytes == held
+        assert history.before_merge("size") is None
+    history.apply("Size", third, "size")
+    assert history.entries == ("Start", "Made", "Size")
+
+
 def test_nothing_done_is_no_step():
     (first,) = documents(1)
     history = History(first)

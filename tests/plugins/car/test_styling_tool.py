@@ -20,7 +20,7 @@ from bozzetto_car.styling.commands import styling_commands
 from bozzetto_car.styling.curve import mirror_curve
 from bozzetto_car.styling.live_preview import Growing
 from bozzetto_car.styling.picking import target_of
-from bozzetto_car.styling.scene import shown_styling, styling_items
+from bozzetto_car.styling.scene import chosen_styling, shown_styling, styling_items
 from bozzetto_car.tools.draw_style import Style
 from tests.plugins.car.styled_body import (
     ABOVE,
@@ -236,11 +236,16 @@ def test_commands_need_a_chosen_curve() -> None:
 def test_curves_are_shown_with_their_mirror_images() -> None:
     body = template_body()
     one, other = styled(body), replace(styled(body, number="n2"), both=False, color=(1, 2, 3))
-    items = styling_items(CarState(nodes=(one, other), selected="n1"), body)
-    assert all(isinstance(item, Lines) for item in items)
+    state = CarState(nodes=(one, other), selected="n1")
+    items, over = styling_items(state, body), chosen_styling(state, body)
+    assert all(isinstance(item, Lines) for item in (*items, *over))
     image, chosen, plain = (item for item in items if isinstance(item, Lines))
-    assert (chosen.color, image.color, plain.color) == ("accent", "second", (1, 2, 3))
-    assert chosen.width > plain.width
+    assert (chosen.color, image.color, plain.color) == ("ink", "second", (1, 2, 3))
+    assert [item.color for item in over] == ["second", "accent"]
+    for wider, own in zip(over, (image, chosen), strict=True):
+        assert wider.width > own.width
+        assert np.array_equal(wider.points, own.points)
+    assert not chosen_styling(replace(state, selected=""), body)
     assert np.array_equal(chosen.points * np.array([1, -1, 1], np.float32), image.points)
     assert off_surface(chosen.points.astype(float)[::7], body).max() < 0.01
 

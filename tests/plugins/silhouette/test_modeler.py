@@ -13,6 +13,7 @@ from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Context, Ink, Job
 from bozzetto.plugin.cache import Memory, forget_all
+from bozzetto.scene import Scene
 from bozzetto.testing import Pen
 from bozzetto_silhouette.inflation.solidify import solidify
 from bozzetto_silhouette.model.state import Group, SilhouetteState
@@ -160,9 +161,15 @@ def test_a_circle_is_a_ball_in_the_world_where_it_was_drawn() -> None:
 
 def test_scene_shows_ink_before_and_shape_after() -> None:
     state = drawn((600, 450, 200), (600, 450, 60), resolution=32)
-    assert [layer.name for layer in MODELER.scene(state, None).layers if not layer.tool] == ["ink"]
+
+    def seen(scene: Scene) -> list[tuple[str, bool]]:
+        """Name the layers without handles, and say which are there for the selected alone."""
+        return [(layer.name, layer.chosen) for layer in scene.layers if not layer.tool]
+
+    ink = [("ink", False), ("ink", True)]
+    assert seen(MODELER.scene(state, None)) == ink
     shown = MODELER.scene(state, MODELER.solve(state, Job()))
-    assert [layer.name for layer in shown.layers if not layer.tool] == ["shape", "ink"]
+    assert seen(shown) == [("shape", False), *ink]
     posed = replace(state, posing=True)
     shown = MODELER.scene(posed, MODELER.solve(posed, Job()))
     assert [layer.name for layer in shown.layers] == ["shape", "joints"]

@@ -44,6 +44,17 @@ BESIDE_THE_CENTRE: Final = 460
 BESIDE: Final = 116
 """Pixels kept free at the right, where the view cube is."""
 
+BELOW: Final = 144
+"""Distance from the sheet's upper edge where there is too little room beside the cube, pixels."""
+
+NARROW: Final = 160
+"""Fewest pixels that words are set in beside the cube."""
+
+LINES: Final = 3
+"""Most lines that the first sentence takes."""
+
+WRAPPED: Final = Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
+
 LAMPS: Final[dict[str, Color]] = {
     "good": (0x3E, 0x93, 0x4F),
     "warn": (0xD9, 0x93, 0x0D),
@@ -134,6 +145,7 @@ class ViewLight(QWidget):
         """How much of the sheet's left is covered by something else, pixels."""
         self._palette: Palette = LIGHT
         self._area = QRect()
+        self._wide = 0
         self.button = TurnButton(canvas)  # no child of the chip, which touches pass through
         self.button.clicked.connect(self.turn_chosen)
         self.hide()
@@ -169,6 +181,7 @@ class ViewLight(QWidget):
         self.update()
 
     def _lay_out(self) -> None:
+        """Take a line at the top; in a narrow sheet some lines, or the place below the cube."""
         if self.advice is None:
             return
         free = self._area.adjusted(self.left, 0, 0, 0)
@@ -176,25 +189,48 @@ class ViewLight(QWidget):
         around = round(PADDING + LAMP + GAP + PADDING + button.width())
         aside = min(BESIDE_THE_CENTRE, free.width() - MARGIN - BESIDE - around)
         most = max(0, aside, min(WIDEST, free.width() - 2 * BESIDE - around))
+        top, beside = MARGIN, BESIDE
+        if most < NARROW:
+            top, beside = BELOW, MARGIN
+            most = max(0, free.width() - 2 * MARGIN - around)
         metrics = QFontMetrics(self.font())
         said = " ".join(self.said.split())
         right = Qt.TextElideMode.ElideRight
         if metrics.elidedText(said, right, most) != said:
             first, stop, _ = said.partition(". ")
             said = first + stop.strip()
-        self.words = metrics.elidedText(said, right, most)
-        width = around + metrics.horizontalAdvance(self.words)
+        self.words, taken = self._set_in_lines(said, most, metrics)
+        self._wide = taken.width()
+        width, height = around + self._wide, text_height(HEIGHT)
         centred = free.left() + (free.width() - width) // 2
-        left = max(free.left() + MARGIN, min(centred, free.right() + 1 - BESIDE - width))
-        self.setGeometry(left, self._area.top() + MARGIN, width, text_height(HEIGHT))
+        left = max(free.left() + MARGIN, min(centred, free.right() + 1 - beside - width))
+        more = taken.height() - metrics.height()
+        self.setGeometry(left, self._area.top() + top, width, height + max(0, more))
         place = self.geometry()
         self.button.setGeometry(
             place.right() + 1 - button.width() - 3,
-            place.top() + 3,
+            place.center().y() - height // 2 + 3,
             button.width(),
-            place.height() - 6,
+            height - 6,
         )
         self.button.raise_()
+
+    @staticmethod
+    def _set_in_lines(said: str, most: int, metrics: QFontMetrics) -> tuple[str, QSize]:
+        """Return the words that there is room for in lines of a width, and what they take."""
+        right = Qt.TextElideMode.ElideRight
+        if metrics.elidedText(said, right, most) == said:
+            return said, QSize(metrics.horizontalAdvance(said), metrics.height())
+        said = metrics.elidedText(said, right, LINES * most)
+        while True:
+            place = metrics.boundingRect(QRect(0, 0, most, 10_000), WRAPPED, said)
+            if place.height() <= LINES * metrics.lineSpacing() and place.width() <= most:
+                return said, QSize(place.width() + 1, place.height())
+            shorter, space, _ = said.rstrip("…").rpartition(" ")
+            if not space:
+                said = metrics.elidedText(said, right, most)
+                return said, QSize(metrics.horizontalAdvance(said), metrics.height())
+            said = f"{shorter}…"
 
     def paintEvent(self, event: QPaintEvent) -> None:
         if self.advice is None:
@@ -205,13 +241,14 @@ class ViewLight(QWidget):
         ground = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
         painter.setPen(QPen(qcolor(tones.edge), 1.0))
         painter.setBrush(qcolor(tones.raised, 0.94))
-        painter.drawRoundedRect(ground, ground.height() / 2, ground.height() / 2)
+        radius = min(ground.height(), text_height(HEIGHT)) / 2
+        painter.drawRoundedRect(ground, radius, radius)
         lamp = QRectF(PADDING, (self.height() - LAMP) / 2, LAMP, LAMP)
         self._paint_lamp(painter, lamp, self.advice.level)
         painter.setPen(qcolor(readable(tones.text, tones.text, tones.raised)))
-        words = QRectF(self.rect()).adjusted(PADDING + LAMP + GAP, 0, 0, 0)
-        align = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
-        painter.drawText(words, align, self.words)
+        words = self.rect().adjusted(round(PADDING + LAMP + GAP), 0, 0, 0)
+        words.setWidth(self._wide)
+        painter.drawText(words, WRAPPED | Qt.AlignmentFlag.AlignVCenter, self.words)
         painter.end()
 
     def _paint_lamp(self, painter: QPainter, place: QRectF, level: str) -> None:

@@ -80,14 +80,19 @@ class SheetHint(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        font = self.font()
-        font.setPointSizeF(font.pointSizeF() * LARGER)
-        painter.setFont(font)
+        room = self.rect().adjusted(self.left + PLATE, 0, -PLATE, 0)
+        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+        for larger in (LARGER, 1.0):
+            font = self.font()
+            font.setPointSizeF(font.pointSizeF() * larger)
+            painter.setFont(font)
+            words = painter.boundingRect(room, int(flags), self.text)
+            if room.contains(words):
+                break
+        else:
+            return  # a strip beside the panels: the status line says the same
         palette = self._palette
         painter.setPen(qcolor(readable(palette.ghost, palette.ink, palette.paper)))
-        flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-        room = self.rect().adjusted(self.left + PLATE, 0, -PLATE, 0)
-        words = painter.boundingRect(room, int(flags), self.text)
         # On a plate of paper: a modeler may show a box, or a picture, beneath.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         ink = painter.pen()

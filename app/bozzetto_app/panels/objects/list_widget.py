@@ -144,7 +144,8 @@ class ObjectList(QListWidget):
         if event.key() == Qt.Key.Key_F2:
             self.rename_asked.emit()
         elif event.key() in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
-            self.delete_asked.emit()
+            if not event.isAutoRepeat():  # a key that is held would delete all rows
+                self.delete_asked.emit()
         elif event.key() in (Qt.Key.Key_Left, Qt.Key.Key_Right):
             self.fold_asked.emit(event.key() == Qt.Key.Key_Right)
         elif event.keyCombination() == GROUP_KEY:

@@ -69,7 +69,7 @@ class ObjectsPanel(QWidget):
         self.setObjectName("objects")
         self.setWindowTitle(tr("Objects", "Objects"))
         self.setAccessibleName(self.windowTitle())
-        self.setMinimumSize(240, 4 * ROW)
+        self.setMinimumSize(240, 2 * ROW + 8)  # a row and the buttons
         self.list = ObjectList(self)
         self.list.setAccessibleName(self.windowTitle())
         self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)

@@ -14,6 +14,7 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.panels.properties.drag_pace import DragPace
 from bozzetto_app.panels.properties.place_form import PlaceForm
 from bozzetto_app.panels.properties.report import Figures
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.settings import settings
 from bozzetto_app.toolkit.panel_scroll import PanelScroll
 from bozzetto_app.widgets.section import Section, hairline
@@ -57,7 +58,7 @@ class ParametersPanel(PanelScroll):
         self.setMinimumWidth(264)
 
         self._empty = QLabel()
-        self._locked = QLabel(tr("Parameters", "This object is locked."))
+        self._locked = QLabel(why_locked())
         for words in (self._empty, self._locked):
             words.setWordWrap(True)
             words.setProperty("tone", "quiet")
@@ -140,6 +141,10 @@ class ParametersPanel(PanelScroll):
                 pace.forget()
         if fields != self._fields or (chosen != self._owner and self._is_in_use()):
             self._put_away(fields)
+        locked = any(
+            model.locked for model in session.drawing.document if model.id == session.selection.id
+        )
+        self._locked.setVisible(locked)  # at once: the form may come later
         if not self.is_ready:
             return
         if chosen != self._owner:
@@ -164,10 +169,6 @@ class ParametersPanel(PanelScroll):
                     row.show_value(value)
         if dragging:
             return
-        locked = any(
-            model.locked for model in session.drawing.document if model.id == session.selection.id
-        )
-        self._locked.setVisible(locked)
         self.form.setEnabled(not locked)
         self._place_section.setVisible(model is not None)
         self.place.setEnabled(not locked)

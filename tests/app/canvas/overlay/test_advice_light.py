@@ -44,6 +44,19 @@ def test_the_first_sentence_stands_alone_where_there_is_no_room_for_more(canvas,
     assert canvas.light.words in (message, "Lines run towards each other.")
 
 
+@pytest.mark.parametrize("width", range(300, 700, 37))
+def test_a_sentence_is_whole_on_a_narrow_sheet(canvas, session, width):
+    """On 300 px it was cut to "Only one…", which says nothing."""
+    said = "Only one line is drawn of this face: draw the others, or take it away"
+    canvas.resize(width, 400)
+    session.advice.say(ViewAdvice("warn", f"{said}. Turn for more.", TURNED))
+    place = canvas.light.geometry()
+    assert canvas.light.words.startswith(said)
+    assert canvas.rect().contains(place)
+    assert place.contains(canvas.light.button.geometry())
+    assert not place.intersects(canvas.cube.geometry())
+
+
 def test_what_a_point_of_a_car_is_called_has_room(canvas, session):
     """On a sheet of 1100 px, as in a window of 1600, none of the 400 points is cut short."""
     canvas.resize(1100, 800)

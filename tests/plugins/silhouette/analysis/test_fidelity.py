@@ -21,7 +21,7 @@ from bozzetto_silhouette.model.state import Oversketch, Part, SilhouetteState
 from bozzetto_silhouette.modeler import Silhouette
 from bozzetto_silhouette.solids.part_solid import solid_of
 from bozzetto_silhouette.solids.placements import drawn_rings
-from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layer
+from bozzetto_silhouette.view.ink_layers import deviation_layer, ink_layers
 
 MODELER, PEN = Silhouette(), Pen()
 Manifold = manifold3d.Manifold
@@ -204,10 +204,10 @@ def test_deviation_is_shown_where_it_is_and_in_steps() -> None:
 def test_the_ghost_of_a_changed_outline_is_the_outline() -> None:
     part = part_of(PEN.circle())
     state = SilhouetteState(nodes=(part,), selected="n1")
-    plain = ink_layer(state).items[0]
+    plain = ink_layers(state)[0].items[0]
     assert len(plain.points) == len(part.strokes[0])
     bump = PEN.along([(560, 250), (600, 180), (640, 250)])
     changed = state.with_node(replace(part, edits=(Oversketch(bump),)))
-    (line,) = ink_layer(changed).items
+    (line,) = ink_layers(changed)[0].items
     (ring,) = drawn_rings(changed, changed.parts[0])
     assert np.asarray(line.points)[:-1] == pytest.approx(ring, abs=1e-3)

@@ -47,7 +47,7 @@ def lines(scene: Scene, name: str) -> list[Lines]:
 
 
 def test_a_pair_is_two_lines_that_mirror_each_other(state) -> None:
-    near, far = (item for item in lines(shown(state), "curves") if item.width == 3.0)
+    near, far = lines(shown(state), "chosen curve")
     assert (near.color, far.color) == ("accent", "second")
     assert np.allclose(far.points, near.points * MIRROR, atol=1e-3)
     assert np.median(s.distances(near.points, RAIL)) < 5e-4 * s.DIAGONAL
@@ -55,18 +55,23 @@ def test_a_pair_is_two_lines_that_mirror_each_other(state) -> None:
 
 def test_lines_are_smooth_from_all_sides(state) -> None:
     """Also where the view in which the curve was drawn foreshortens its bends."""
-    near = next(item.points for item in lines(shown(state), "curves") if item.width == 3.0)
+    near = lines(shown(state), "chosen curve")[0].points
     steps = np.diff(near.astype(float), axis=0)
     steps /= np.linalg.norm(steps, axis=1, keepdims=True)
     bends = np.degrees(np.arccos(np.clip((steps[1:] * steps[:-1]).sum(axis=1), -1.0, 1.0)))
     assert bends.max() < 6.0
 
 
-def test_colours_of_curves_are_kept_where_they_are_not_chosen(state) -> None:
-    colors = [item.color for item in lines(shown(state), "curves")]
-    assert (1, 2, 3) in colors
-    chosen = replace(state, selected="screen")
-    assert (1, 2, 3) not in [item.color for item in lines(shown(chosen), "curves")]
+def test_a_curve_has_its_colour_and_while_it_is_chosen_a_wider_line_over_it(state) -> None:
+    scene = shown(replace(state, selected="screen"))
+    (own,) = (item for item in lines(scene, "curves") if item.color == (1, 2, 3))
+    (over,) = lines(scene, "chosen curve")
+    assert over.color == "accent"
+    assert over.width > own.width
+    assert np.array_equal(over.points, own.points)
+    names = [layer.name for layer in scene.layers]
+    assert names.index("chosen curve") > names.index("curves")
+    assert all(layer.chosen for layer in scene.layers if layer.name == "chosen curve")
 
 
 def test_only_the_chosen_curve_shows_how_sure_it_is(state) -> None:
