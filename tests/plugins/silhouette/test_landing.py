@@ -153,3 +153,24 @@ def test_a_file_attaches_and_fills_by_the_same_functions(tmp_path: Path) -> None
     told, after = built(tmp_path, steps_of(*pierced, then=(CommandStep("fill"),)))
     assert told["whole"]["genus"] == 0
     assert after.nodes == fill(before, Context()).nodes
+
+
+def test_of_many_beads_the_first_are_named_and_none_is_united(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of twenty that touch nothing the rest was united twenty times, after every stroke."""
+    state = TOOL.apply(BODY, Ink((PEN.circle(600, 80, 40),), True), Context())
+    bead = state.parts[-1]
+    for k in range(6):
+        place = Placement(offset=(200.0 * (k + 1), 0.0, 0.0))
+        state = state.with_node(replace(bead, id=f"b{k}", name=f"Bead {k}", pose=place))
+
+    def united(*_: object) -> None:
+        raise AssertionError("the rest was united")
+
+    monkeypatch.setattr(attachment, "shape_seen", united)
+    told = attachment.offers_to_attach(state, Job())
+    assert len(told) == attachment.MOST_NAMED + 1
+    assert all("touches nothing" in sentence for sentence in told[:-1])
+    assert told[-1] == f"{len(state.parts) - attachment.MOST_NAMED} parts more touch nothing."
+    assert state.parts[-1].operation in ("add", "merge")

@@ -130,8 +130,8 @@ def rows_of(
     """Return the rows of a report, in its own order, after what it warns of.
 
     A value whose key also occurs with ``expected_`` before it is good when both agree. A
-    single part without a name needs no heading; many are counted. Mappings and long lists are summed up where
-    their figure says so; other long ones, and ids, are for other programs.
+    single part without a name needs no heading; many are counted. Mappings and long lists are
+    summed up where their figure says so; other long ones, and ids, are for other programs.
 
     Parameters
     ----------

@@ -118,10 +118,27 @@ def test_without_another_reading_there_is_no_figure_for_it(qapp):
 
 
 def test_of_many_parts_only_the_chosen_one_is_told(qapp):
-    report = {"curves": [CURVE | {"id": f"n{k}", "name": f"Curve {k}"} for k in range(9)]}
+    report = {"curves": [CURVE | {"id": f"n{k}", "name": f"Curve {k}"} for k in range(8)]}
     told = [list(rows_of(report, SYMMETRY, part=part)) for part in ("n4", "x")]
     names = [[f.key for f in rows if f.value is None] for rows in told]
-    assert names == [["Curve 4"], [f"Curve {k}" for k in range(9)]]
+    assert names == [["Curve 4"], [f"Curve {k}" for k in range(8)]]
+
+
+def test_parts_beyond_eight_are_counted_until_one_is_chosen(qapp):
+    report = {"curves": [CURVE | {"id": f"n{k}", "name": f"Curve {k}"} for k in range(60)]}
+    chosen = list(rows_of(report, SYMMETRY, part="n4"))
+    assert [row.key for row in chosen if row.value is None] == ["Curve 4"]
+    (counted,) = rows_of(report, SYMMETRY)
+    assert (counted.key, counted.value) == ("Curves", "60")
+    assert "Choose one" in counted.tip
+
+
+def test_of_many_warnings_the_first_are_told_and_the_others_counted(qapp):
+    report = {"warnings": [f"Number {k} is wrong." for k in range(40)]}
+    told = [row.key for row in rows_of(report, {})]
+    assert told[0] == "Number 0 is wrong."
+    assert told[-1] == "And 32 more."
+    assert len(told) == 9
 
 
 @pytest.mark.parametrize("strange", [["a", None, "b", 3, 4], [[1.0]], [], [True, False]])
