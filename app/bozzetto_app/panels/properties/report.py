@@ -27,7 +27,7 @@ MOST_ROWS = 12
 """Entries of a mapping that get rows; of a longer one, such as all nodes of a network, only a
 sum of its numbers is for people."""
 
-MOST_PARTS = 8
+MOST_PARTS = 3
 """Parts that are told of one after the other; of more only one that is chosen is, and all others
 are counted: each takes some milliseconds of the window's time."""
 

@@ -30,6 +30,18 @@ def test_cells_are_as_asked_for_where_nothing_is_larger(resolution: int) -> None
     assert cells_of(hidden, resolution) == {"eye": resolution}
 
 
+@pytest.mark.parametrize("resolution", [64, 128, 256])
+def test_parts_far_apart_have_fewer_though_all_are_alike(resolution: int) -> None:
+    """Twenty-four beads at the full resolution are half a million triangles, remade at a stroke."""
+    few = SilhouetteState(tuple(part(f"n{k}", 100.0 + 45.0 * k, 20.0) for k in range(4)))
+    many = SilhouetteState(tuple(part(f"n{k}", 100.0 + 45.0 * k, 20.0) for k in range(24)))
+    assert set(cells_of(few, resolution).values()) == {resolution}
+    (cells,) = set(cells_of(many, resolution).values())
+    assert min(resolution, FEWEST) <= cells <= max(resolution // 2, FEWEST)
+    span, size = 45.0 * 23 + 40.0, 40.0
+    assert cells * span / size > 2.0 * resolution  # and each is finer than the whole asks for
+
+
 @pytest.mark.parametrize("resolution", [32, 48, 64, 128, 256])
 def test_small_parts_have_fewer_and_never_too_few(resolution: int) -> None:
     radii = (300.0, 200.0, 150.0, 100.0, 60.0, 20.0, 5.0)
