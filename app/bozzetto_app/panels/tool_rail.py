@@ -222,9 +222,9 @@ class ToolRail(QWidget):
 
     def minimumSizeHint(self) -> QSize:
         """Return the size with the narrowest gaps, which a low window takes."""
-        layout = self._column
-        items = map(layout.itemAt, range(layout.count()))
-        lines = sum(item is not None and not item.isEmpty() for item in items)
+        layout, direct = self._column, Qt.FindChildOption.FindDirectChildrenOnly
+        # Not by the layout's items: their wrappers outlive those of buttons that have gone.
+        lines = sum(not each.isHidden() for each in self.findChildren(QWidget, options=direct))
         inner = max(0, self._ends.count() - 1) if not self._waiting.isHidden() else 0
         spared = (lines + inner) * (layout.spacing() - GAPS[1])
         spared += 2 * (layout.contentsMargins().top() - MARGINS[1])
