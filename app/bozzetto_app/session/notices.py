@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 import traceback
+from threading import Thread
 from typing import Literal, NamedTuple
+from weakref import WeakSet
 
 from PySide6.QtCore import QObject, Signal
 
@@ -59,6 +61,7 @@ class Notices(QObject):
         super().__init__(parent)
         self._guard = guard
         self._gathered: list[Notice] | None = None
+        self._named: WeakSet[Thread] = WeakSet()
 
     def gather(self) -> None:
         """Keep news and errors until `tell_gathered`: of many at once only the last is read."""
@@ -98,15 +101,25 @@ class Notices(QObject):
         channel.caught_up.connect(self.caught_up)
 
     def _tell_slow(self, problem: Hung) -> None:
-        """Report that work takes long and can be stopped."""
+        """Report that work takes long and can be stopped, and whose it is as soon as that is seen.
+
+        On a crowded machine the time is up before the worker has come to the plugin.
+        """
         caught = self._guard.caught_in(problem.thread)
+        if problem.is_again and (caught is None or problem.thread in self._named):
+            return
+        self._named.discard(problem.thread)
         if caught is None:
             words = tr("Session", "Still working. Esc stops it.")
             self.send(Notice("slow", words))
             return
+        self._named.add(problem.thread)
         modeler, what = caught
         found = self._guard.suspect(modeler, f"{what} gave {problem}", problem.stack)
         words = tr(
+            "Session", "Still working: {plugin} ({what}). Esc stops it.",
+            plugin=found.plugin, what=what,
+        ) if problem.is_again else tr(
             "Session",
             "Still working: {plugin} ({what}) has not answered for {seconds:g} s. Esc stops it.",
             plugin=found.plugin, what=what, seconds=problem.limit,

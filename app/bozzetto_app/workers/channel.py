@@ -14,6 +14,7 @@ from __future__ import annotations
 import atexit
 import itertools
 import logging
+import math
 import sys
 import threading
 import time
@@ -70,14 +71,17 @@ class Hung(TimeoutError):
         Seconds.
     thread : Thread
         Where it went on when this was noticed.
+    is_again : bool
+        Whether the same work was told as slow before.
     stack : str
         What it was doing there.
     """
 
-    def __init__(self, limit: float, thread: threading.Thread) -> None:
+    def __init__(self, limit: float, thread: threading.Thread, *, is_again: bool = False) -> None:
         super().__init__(f"no answer within {limit:g} s")
         self.limit = limit
         self.thread = thread
+        self.is_again = is_again
         self.stack = _stack(thread)
 
 
@@ -124,6 +128,7 @@ class Request:
     seen_alive: float = 0.0
     abandoned_at: float | None = None
     is_told_slow: bool = False
+    told_at: float = -math.inf
     thread: threading.Thread | None = None
 
     @property
@@ -222,7 +227,7 @@ class Channel(QObject):
     -------
     progressed : float, str; busy_changed : bool
     slow : Hung
-        What runs has overrun the time limit of a patient channel.
+        What runs has overrun the time limit of a patient channel, once or once more.
     caught_up
         What was told as slow has ended, or is waited for no more.
     """
@@ -387,7 +392,7 @@ class Channel(QObject):
         late = self.time_limit is not None and now - request.seen_alive > self.time_limit
         deaf = request.abandoned_at is not None and now - request.abandoned_at > GRACE
         if late and self.is_patient and not deaf:
-            self._tell_slow(request)
+            self._tell_slow(request, now)
             return
         if not (deaf or late):
             return
@@ -408,14 +413,14 @@ class Channel(QObject):
         if not self.busy:
             self.busy_changed.emit(False)
 
-    def _tell_slow(self, request: Request) -> None:
-        """Say once that work goes on for long; whoever waits may stop it."""
-        if request.is_told_slow or request.abandoned:
-            return
-        request.is_told_slow = True
+    def _tell_slow(self, request: Request, now: float) -> None:
+        """Say that work goes on for long, once in a time limit; whoever waits may stop it."""
         assert self.time_limit is not None
         assert request.thread is not None
-        self.slow.emit(Hung(self.time_limit, request.thread))
+        if request.abandoned or now - request.told_at <= self.time_limit:
+            return
+        is_again, request.is_told_slow, request.told_at = request.is_told_slow, True, now
+        self.slow.emit(Hung(self.time_limit, request.thread, is_again=is_again))
 
     def _interrupt_the_hung(self, now: float) -> None:
         """Stop work that was left behind, once it has shown no sign of life for long.

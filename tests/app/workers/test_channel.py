@@ -5,11 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from shiboken6 import delete
 
 from bozzetto.errors import Cancelled
+from bozzetto_app.session.notices import Notices
 from bozzetto_app.workers.channel import Channel, Hung, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
@@ -185,7 +187,31 @@ def test_a_patient_channel_tells_that_work_is_slow_and_waits_for_it(qtbot, heard
     assert ends == [False]
     assert heard.answers == ["late, but here"]
     assert heard.problems == []
-    assert len(told) == 1
+    assert [problem.is_again for problem in told] == [False] + [True] * (len(told) - 1)
+
+
+def test_slow_work_is_named_once_it_has_come_to_a_plugin(qtbot, heard):
+    calls: dict[threading.Thread, tuple[str, str]] = {}
+    guard = SimpleNamespace(
+        caught_in=calls.get,
+        suspect=lambda *_: SimpleNamespace(plugin="maria.lathe", details="a stack"),
+    )
+    notices, channel = Notices(guard), Channel("test", time_limit=0.1, is_patient=True)
+    notices.watch(channel)
+    told, workers, gate = [], [], threading.Event()
+    notices.noticed.connect(told.append)
+    channel.slow.connect(lambda problem: workers.append(problem.thread))
+    channel.submit(heard.request(lambda job: gate.wait(20)))
+    qtbot.waitUntil(lambda: bool(told), timeout=10_000)
+    qtbot.wait(400)
+    assert [notice.plugin for notice in told] == [""]
+    calls[workers[0]] = ("maria.lathe", "tools")
+    qtbot.waitUntil(lambda: len(told) == 2, timeout=10_000)
+    qtbot.wait(400)
+    assert [notice.plugin for notice in told] == ["", "maria.lathe"]
+    assert "tools" in told[1].text
+    gate.set()
+    qtbot.waitUntil(lambda: not channel.busy, timeout=10_000)
 
 
 def test_slow_work_that_does_not_listen_can_be_stopped(qtbot, heard, monkeypatch):
