@@ -103,6 +103,7 @@ def open_sample(modeler: str, stem: str, folder: Path) -> Window:
         next(p for p in session.registry.info(modeler).samples if p.stem == stem)
     )
     settle(session)
+    pump(lambda: window.docks.parameters.is_ready)
     return window
 
 

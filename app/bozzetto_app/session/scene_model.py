@@ -69,6 +69,11 @@ class SceneModel(QObject):
         view.style_changed.connect(self._style_changed)
 
     @property
+    def busy(self) -> bool:
+        """Whether shapes have come and the sheet has not been told yet."""
+        return self._soon.isActive()
+
+    @property
     def visible(self) -> Scene:
         """All that is visible; the very same object while nothing else is seen."""
         if self._visible is None:

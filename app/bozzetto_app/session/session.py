@@ -160,6 +160,7 @@ class Session(QObject):
             self.hints.channel,
             self.readings.channel,
             self.advice,
+            self.scene,
         )
         return any(work.busy for work in (*self._shown_work, *hidden))
 
