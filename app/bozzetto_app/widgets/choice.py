@@ -177,6 +177,6 @@ def make_choice(
         segments = Segments(name, options, parent)
         if segments.needed_width() <= width:
             return segments
-        segments.hide()  # it would be seen until it is gone
+        segments.setParent(None)  # nobody must see it, or find it in the row, until it is gone
         segments.deleteLater()
     return ChoiceBox(name, options, parent)
