@@ -230,7 +230,8 @@ def preview_of(state: CarState) -> Body:
     shown = replace(state, lock=False) if is_stretched else state
     if not state.edits:
         return body_of(shown)
-    return body_of(shown, _first_seen(shown))
+    first = _first_seen(shown)
+    return body_of(shown, None if first is shown else first)
 
 
 @remembered(limit=FIRST_SEEN, key=lambda state: _Same(state.nodes))
