@@ -344,27 +344,27 @@ class ObjectsPanel(QWidget):
         count = len(self._entries)
         first = max(0, self.list.indexAt(QPoint(1, 1)).row())
         end = monotonic() + SLICE
+        models = {model.id: model for model in self._session.drawing.document}
         for row in (*range(first, count), *range(first)):
             if self.list.itemWidget(self.list.item(row)) is not None:
                 continue
             if least <= 0 and monotonic() > end:
                 self._soon.start()
                 return
-            self._make_row(row)
+            self._make_row(row, models)
             least -= 1
         rows = (self.list.itemWidget(self.list.item(row)) for row in range(count))
         put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
 
-    def _make_row(self, row: int) -> None:
-        item, document = self.list.item(row), self._session.drawing.document
-        self.list.setItemWidget(item, self._widget(self._entries[row]))
-        self._show_row(row, {model.id: model for model in document})
+    def _make_row(self, row: int, models: Mapping[str, Model]) -> None:
+        self.list.setItemWidget(self.list.item(row), self._widget(self._entries[row]))
+        self._show_row(row, models)
 
     def _current_widget(self) -> QWidget | None:
         """Return what stands in the chosen row."""
         row = self.list.currentRow()
         if row >= 0 and self.list.itemWidget(self.list.item(row)) is None:
-            self._make_row(row)
+            self._make_row(row, {model.id: model for model in self._session.drawing.document})
         return self.list.itemWidget(self.list.currentItem())
 
     def _widget(self, entry: Entry) -> QWidget:

@@ -227,8 +227,8 @@ def _in_full(table: dict[str, Any]) -> dict[str, Any]:
             {"file": each, "title": PurePosixPath(each).stem} if isinstance(each, str) else each
             for each in samples
         ]
-    if isinstance(key := full.get("facts"), str):
-        full["facts"] = [key] if key else []
+    if isinstance(keys := full.get("facts"), str | list):
+        full["facts"] = [key for key in ([keys] if isinstance(keys, str) else keys) if key != ""]
     return full
 
 

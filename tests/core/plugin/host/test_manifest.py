@@ -99,6 +99,7 @@ def test_what_is_wrong_is_named(tmp_path, old, new, names):
         ('facts = "views"', ("views",)),
         ('facts = ["views", "rules"]', ("views", "rules")),
         ("facts = []", ()),
+        ('facts = ["", "views"]', ("views",)),
     ],
 )
 def test_files_are_told_by_one_key_or_several(tmp_path, facts, keys):
