@@ -32,9 +32,7 @@ def brep_of(
     return Brep((*edges, *spokes), tuple(faces), name)
 
 
-def plane_brep_of(
-    outlines: Sequence[Sequence[Side]], plane: BSplineSurface, name: str
-) -> Brep:
+def plane_brep_of(outlines: Sequence[Sequence[Side]], plane: BSplineSurface, name: str) -> Brep:
     """Return a plane as one face within the edges of a loop, and outside of those of its holes.
 
     The trims are the edges' own control points, in u and v: exact, for a plane is affine.

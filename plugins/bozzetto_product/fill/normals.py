@@ -97,9 +97,7 @@ def _joined_normals(
     )
 
 
-def outline_corners(
-    net: Net, loops: Sequence[Loop]
-) -> tuple[list[Loop], list[tuple[Corner, ...]]]:
+def outline_corners(net: Net, loops: Sequence[Loop]) -> tuple[list[Loop], list[tuple[Corner, ...]]]:
     """Return the outlines of loops, and the corners of each, with normals to the outside."""
     outlines, corners = [], []
     for loop in loops:

@@ -67,10 +67,10 @@ def orient_loops(
     Returns
     -------
     OrientedLoops
-        Seen from outside a loop runs counter-clockwise, and round its holes clockwise. Outside is where the signed volume of
-        a part's loops, each as a cone over its own centre, is positive: exactly so where the part
-        is closed; of an open one, the side that it bulges to. A flat one faces away from what it
-        was drawn on, or else up.
+        Seen from outside a loop runs counter-clockwise, and round its holes clockwise. Outside is
+        where the signed volume of a part's loops, each outline as a cone over its own centre, is
+        positive: exactly so where the part is closed; of an open one, the side that it bulges to.
+        A flat one faces away from what it was drawn on, or else up.
     """
     turned = [tuple(loop) for loop in loops]
     at_edge: dict[int, list[int]] = {}
