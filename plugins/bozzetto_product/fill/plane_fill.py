@@ -123,6 +123,12 @@ class PlaneFill(Fill):
         """A plane never is."""
         return False
 
+    @property
+    @override
+    def has_holes(self) -> bool:
+        """Whether it has more outlines than one."""
+        return len(self.starts) > 1
+
     @cached_property
     @override
     def bent(self) -> PatchFill | None:
@@ -130,7 +136,7 @@ class PlaneFill(Fill):
 
         And where it has holes, for patches have one outline.
         """
-        if len(self.starts) > 1:
+        if self.has_holes:
             return None
         try:
             fill = patch_fill(LoopSides.of(self.sides), self.loop, self.spacing, self.key)

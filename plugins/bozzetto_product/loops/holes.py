@@ -181,6 +181,14 @@ def with_holes(
     return made
 
 
+def with_clockwise_holes(sampled: SampledNet, outlines: Sequence[Loop]) -> Loop:
+    """Return the loop of some outlines: the largest first, and the others run against it."""
+    rings = [_Ring.of(sampled, outline) for outline in outlines]
+    rim = max(rings, key=lambda ring: float(np.linalg.norm(ring.area)))
+    holes = (_clockwise(rim, ring) for ring in rings if ring is not rim)
+    return joined_outlines((rim.outline, *holes))
+
+
 def _has_walls(ring: _Ring, users: dict[int, list[_Ring]]) -> bool:
     """Whether one other surface is at each edge of a ring, and leaves its plane."""
     if ring.inside is None:

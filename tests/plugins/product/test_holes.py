@@ -20,6 +20,9 @@ from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.outlines import outlines_of, reversed_loop, rim_edges
+from bozzetto_product.operations.boundaries import outlines_of_boundary
+from bozzetto_product.operations.fillet import fillet
+from bozzetto_product.operations.pieces import delete_curves, split_curve
 from bozzetto_product.solve.bodies import joined_patches
 from bozzetto_product.solve.found_patches import found_loops, switched, with_patches_found
 from bozzetto_product.solve.solver import net_of_state
@@ -345,3 +348,87 @@ def test_a_detail_is_carved_beside_a_hole():
     assert told["details"][0]["carved"]
     (shell,) = result.detailed.changed
     assert shell.is_closed
+
+
+def test_pressure_and_strokes_leave_a_face_with_holes_as_it_is_and_that_is_told():
+    given = plate(BOX, 10.0, [("bore", square(0, 0, 8), 0.0, 0.0)]).facts()
+    _, plain = solved(given)
+    top = next(row for row in plain["patches"] if row["holes"] and "ot0" in row["curves"])
+    given["network"]["pressure"] = {" ".join(top["curves"]): 0.3}
+    result, told = solved(given)
+    assert told["closed"]
+    assert [sentence for sentence in told["warnings"] if "has holes" in sentence]
+    assert volume_of(result) == pytest.approx((4800.0 - 256.0) * 10.0, rel=1e-6)
+
+
+def test_surfaces_as_in_the_paper_leave_it_out_and_say_so():
+    state = replace(bored(), surfaces="paper")
+    result = ProductModeler().solve(state, Job())
+    assert sum(one.surface is None for one in result.patches) == 2
+    assert all("no holes" in one.problem for one in result.patches if one.surface is None)
+
+
+# -- files and edits ---------------------------------------------------------------------------
+
+
+def test_loops_of_a_report_give_the_same_surfaces_in_a_file():
+    given = random_plate(7103).facts()
+    result, told = solved(given)
+    given["network"]["loops"] = told["loops"]
+    again, twice = solved(given)
+    assert faces_of(again) == faces_of(result)
+    assert twice["closed"]
+    for one, two in zip(told["patches"], twice["patches"], strict=True):
+        assert [set(hole) for hole in one["holes"]] == [set(hole) for hole in two["holes"]]
+
+
+def test_a_deleted_curve_of_a_hole_takes_the_hole_and_its_walls_along():
+    state = bored()
+    name = next(curve.id for curve in state.of_kind(Curve) if curve.name == "a.t0")
+    less = delete_curves(state, name)
+    assert outline_counts(less)[0] == [1] * 8 + [2]
+    assert outline_counts(with_patches_found(less))[0] == [1] * 8 + [2]
+
+
+def sheet_with_a_hole():
+    curves = {f"o{k}": [BOX[k], BOX[(k + 1) % 4]] for k in range(4)}
+    inner = square(5.0, -4.0, 10.0)
+    curves |= {f"h{k}": [inner[k], inner[(k + 1) % 4]] for k in range(4)}
+    given = facts({name: np.column_stack((row, (2.0, 2.0))) for name, row in curves.items()})
+    given["network"]["loops"] = [list(curves)[::-1]]
+    return given
+
+
+def test_a_sheet_with_a_hole_is_named_by_all_of_its_curves():
+    result, told = solved(sheet_with_a_hole())
+    (one,) = result.filled
+    assert isinstance(one.fill, PlaneFill)
+    (hole,) = told["patches"][0]["holes"]
+    assert set(hole) == {"h0", "h1", "h2", "h3"}
+    assert one.fill.area == pytest.approx(4400.0, rel=1e-6)
+    assert len(told["open_edges"]) == 8
+    assert one.fill.quality_p5 > 0.3
+
+
+@pytest.mark.parametrize("pair", [("h0", "h1"), ("h3", "h0"), ("o0", "o1"), ("o3", "o0")])
+def test_a_rounded_corner_of_any_outline_stays_in_it(pair):
+    state = product_of_network(sheet_with_a_hole())
+    ids = [next(c.id for c in state.of_kind(Curve) if c.name == name) for name in pair]
+    (joint,) = (
+        joint.id for joint in state.joints if {meet.curve for meet in joint.meetings} == set(ids)
+    )
+    made, _ = fillet(state, joint, *ids, 3.0)
+    (patch,) = made.of_kind(Patch)
+    assert sorted(map(len, outlines_of_boundary(patch.boundary))) == [4, 5]
+    (one,) = ProductModeler().solve(made, Job()).filled
+    away = (4.0 - np.pi) * 9.0 / 4.0
+    assert one.fill.area == pytest.approx(
+        4400.0 + away * (1 if pair[0][0] == "h" else -1), rel=1e-4
+    )
+
+
+def test_a_split_curve_of_a_hole_stays_in_its_outline():
+    state = bored()
+    name = next(curve.id for curve in state.of_kind(Curve) if curve.name == "a.t0")
+    made, _ = split_curve(state, name, [0.4])
+    assert outline_counts(made) == outline_counts(state)
