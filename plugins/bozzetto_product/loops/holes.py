@@ -27,6 +27,9 @@ FLAT: Final = 1e-4
 """Distance from a plane, as share of the size of a loop, up to which a loop is meant to lie in it:
 what files are put into planes by (`flattening`)."""
 
+WALLED: Final = 0.5
+"""Share of the length of a loop with walls above which it is a hole: one wall may be missing."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Ring:
@@ -145,12 +148,12 @@ def with_holes(
                 users.setdefault(edge, []).append(ring)
     surfaces = {id(rings[0]): number for number, rings in enumerate(every)}
     held = {id(ring) for rings in every[:fixed] for ring in rings}
-    free = [rings[0] for rings in every[fixed:] if _has_walls(rings[0], users)]
-    taken = set[int]().union(*(ring.edges for ring in free))
+    free = [rings[0] for rings in every[fixed:] if _has_walls(sampled, rings[0], users)]
+    taken = set[int]()
     for loop in others:
-        if all(len(users.get(edge, ())) == 1 for edge, _ in loop):
+        if all(len(users.get(edge, ())) < 2 for edge, _ in loop):
             ring = _Ring.of(sampled, loop)
-            if ring.edges.isdisjoint(taken) and _has_walls(ring, users):
+            if ring.edges.isdisjoint(taken) and _has_walls(sampled, ring, users):
                 taken |= ring.edges
                 free.append(ring)
     if not free:
@@ -189,15 +192,17 @@ def with_clockwise_holes(sampled: SampledNet, outlines: Sequence[Loop]) -> Loop:
     return joined_outlines((rim.outline, *holes))
 
 
-def _has_walls(ring: _Ring, users: dict[int, list[_Ring]]) -> bool:
-    """Whether one other surface is at each edge of a ring, and leaves its plane."""
+def _has_walls(sampled: SampledNet, ring: _Ring, users: dict[int, list[_Ring]]) -> bool:
+    """Whether surfaces that leave the plane of a ring stand on most of it, and no others do."""
     if ring.inside is None:
         return False
+    walled = 0.0
     for edge in ring.edges:
-        walls = [other for other in users.get(edge, ()) if other is not ring]
-        if len(walls) != 1 or ring.holds(walls[0].points):
+        others = [other for other in users.get(edge, ()) if other is not ring]
+        if len(others) > 1 or any(ring.holds(other.points) for other in others):
             return False
-    return True
+        walled += float(sampled.lengths[edge]) * len(others)
+    return walled > WALLED * float(sampled.lengths[list(ring.edges)].sum())
 
 
 def _clockwise(outline: _Ring, hole: _Ring) -> Loop:

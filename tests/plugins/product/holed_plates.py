@@ -90,6 +90,9 @@ def regular(count: int, middle: tuple[float, float], radius: float, turn: float 
     return np.array(middle) + radius * np.column_stack((np.cos(at), np.sin(at)))
 
 
+CORE = 0.4
+"""Size of what is inside a groove, and of the bore of a boss, as share of the whole."""
+
 FEATURES = ("bore", "pocket", "boss", "groove", "drilled boss")
 
 
@@ -117,8 +120,8 @@ def plate(
     made.volume, made.area = ground * height, made.area + 2.0 * ground
     for number, (kind, corners, bend, depth) in enumerate(features):
         name, middle = f"{chr(97 + number)}.", corners.mean(axis=0)
-        inner, small = middle + 0.5 * (corners - middle), 0.5 * bend
-        size, core = _size(corners, bend), 0.25 * _size(corners, bend)
+        inner, small = middle + CORE * (corners - middle), CORE * bend
+        size, core = _size(corners, bend), CORE**2 * _size(corners, bend)
         if kind == "bore":
             foot, rim = made.wall(name, corners, bend, 0.0, height)
             bottom.append(foot)
@@ -155,7 +158,10 @@ def plate(
 
 
 def random_plate(seed: int) -> Plate:
-    """Return a plate of any outline with one to five features that do not touch."""
+    """Return a plate of any outline with one to five features that do not touch.
+
+    No wall is thinner than a hundredth of the diagonal: at that curves count as nearly crossing.
+    """
     random = np.random.default_rng(seed)
     count = int(random.integers(3, 9))
     at = np.sort(2.0 * np.pi * (np.arange(count) + random.uniform(-0.25, 0.25, count)) / count)
@@ -167,14 +173,14 @@ def random_plate(seed: int) -> Plate:
     for _ in range(60):
         if len(features) == 5 or (features and random.random() < 0.03):
             break
-        radius = float(random.uniform(3.0, 14.0))
+        radius = float(random.uniform(6.0, 14.0))
         middle = random.uniform(-50.0, 50.0, 2)
         if not free.contains(shapely.Point(middle).buffer(radius + 0.5)):
             continue
         free = free.difference(shapely.Point(middle).buffer(radius + 1.5))
         round_ = bool(random.random() < 0.5)
         corners = regular(
-            int(random.integers(2, 5)) if round_ else int(random.integers(3, 8)),
+            int(random.integers(2, 5)) if round_ else int(random.integers(4, 8)),
             (float(middle[0]), float(middle[1])), radius, float(random.uniform(0.0, 6.0)),
         )  # fmt: skip
         kind = FEATURES[int(random.integers(len(FEATURES)))]
