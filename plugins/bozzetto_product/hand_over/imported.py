@@ -21,13 +21,14 @@ from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_t
 from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.hand_over.tangent_planes import with_common_tangents
 from bozzetto_product.loops.boundaries import boundary_of
-from bozzetto_product.loops.holes import with_clockwise_holes
+from bozzetto_product.loops.holes import ROUGH, with_clockwise_holes
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.model.curves import FARTHEST, Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.operations.boundaries import outlines_of_boundary
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state
 
@@ -53,10 +54,14 @@ def product_of_network(
     network = network_of(facts)
     state = network.state
     if network.loops is None:
-        state = with_patches_found(state)
+        state = with_patches_found(state, ROUGH)
     else:
         state = _with_named_loops(state, network)
     state = with_common_tangents(flattened(state, network.rounding), network.tolerance)
+    if network.loops is None and any(
+        len(outlines_of_boundary(patch.boundary)) > 1 for patch in state.of_kind(Patch)
+    ):
+        state = with_patches_found(state)  # what was put into no plane exactly has no holes
     state = _with_pressures(state, network)
     return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
 

@@ -13,7 +13,7 @@ from bozzetto_product.loops.candidates import Halves, candidate_loops, edges_of,
 from bozzetto_product.loops.choice import MOST_LOOPS, SIDE_GAIN, choose_loops
 from bozzetto_product.loops.closing import flat_lids, unfinished_rims
 from bozzetto_product.loops.costs import loop_costs
-from bozzetto_product.loops.holes import with_holes
+from bozzetto_product.loops.holes import EXACT, with_holes
 from bozzetto_product.loops.plane_outlines import plane_outlines
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges, loop_of_half_edges
@@ -52,9 +52,10 @@ def _key(
     *,
     fixed: Sequence[Loop] = (),
     rejected: Sequence[Loop] = (),
+    flat: float = EXACT,
     checkpoint: Callable[[], None] = lambda: None,
 ) -> tuple[object, ...]:
-    return net, tuple(fixed), tuple(rejected)
+    return net, tuple(fixed), tuple(rejected), flat
 
 
 @remembered(limit=16, key=_key)
@@ -63,6 +64,7 @@ def find_loops(
     *,
     fixed: Sequence[Loop] = (),
     rejected: Sequence[Loop] = (),
+    flat: float = EXACT,
     checkpoint: Callable[[], None] = lambda: None,
 ) -> FoundLoops:
     """Find the loops of a net that are meant to be surfaces.
@@ -75,6 +77,8 @@ def find_loops(
         These are in, whatever speaks against them, and stay as they are.
     rejected : sequence of Loop
         These, and their mirror images, are not found again.
+    flat : float
+        Distance from a plane, as share of its size, up to which a loop with holes lies in it.
     checkpoint : callable
         Called between steps; may raise to stop.
 
@@ -108,7 +112,7 @@ def find_loops(
     order = np.argsort(costs, kind="stable")
     of_fixed = loop_costs(sampled, [half_edges(rim_of(net, loop)) for loop in fixed])
     shared = taken + _usage(len(net.edges), [loops[number] for number in chosen]) > 1
-    found, chosen = _with_holes(sampled, fixed, loops, chosen, order)
+    found, chosen = _with_holes(sampled, fixed, loops, (chosen, order), flat)
     likely_open = [
         bool(rated.corners[number] == 0 and shared[[half // 2 for half in loops[number]]].all())
         for number in chosen
@@ -123,13 +127,21 @@ def find_loops(
 
 
 def _with_holes(
-    sampled: SampledNet, fixed: Sequence[Loop], loops: Sequence[Halves], chosen: Index, order: Index
+    sampled: SampledNet,
+    fixed: Sequence[Loop],
+    loops: Sequence[Halves],
+    numbers: tuple[Index, Index],
+    flat: float,
 ) -> tuple[list[Loop], Index]:
-    """Return the chosen loops with their holes, without those that are holes; and their numbers."""
+    """Return the chosen loops with their holes, without those that are holes; and their numbers.
+
+    Of the two rows of numbers given one is of those chosen, and one of all, the best first.
+    """
+    chosen, order = numbers
     own = set(chosen.tolist())
     others = [loop_of_half_edges(loops[k]) for k in order.tolist() if k not in own]
     every = [*fixed, *(loop_of_half_edges(loops[number]) for number in chosen)]
-    found = with_holes(sampled, every, len(fixed), others)[len(fixed) :]
+    found = with_holes(sampled, every, len(fixed), others, flat)[len(fixed) :]
     kept = np.array([loop is not None for loop in found], bool)
     return [loop for loop in found if loop is not None], chosen[kept]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from bozzetto_product.loops.boundaries import boundary_of, loop_of, mirrored_boundary
 from bozzetto_product.loops.finding import FoundLoops, find_loops
-from bozzetto_product.loops.holes import with_holes
+from bozzetto_product.loops.holes import EXACT, with_holes
 from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.model.joints import Boundary
@@ -22,18 +22,25 @@ from bozzetto_product.solve.solver import loops_of_patch, net_of_state
 Edges = frozenset[int]
 
 
-def with_patches_found(state: ProductState) -> ProductState:
+def with_patches_found(state: ProductState, flat: float = EXACT) -> ProductState:
     """Return the state with a patch for every loop that its network has.
 
     Patches that a person confirmed stay, those rejected stay away; all others are as the network
     is now. A loop that was there keeps its patch, and one that takes the place of another its
     name, colour and pressure.
+
+    Parameters
+    ----------
+    state : ProductState
+        A network.
+    flat : float
+        Distance from a plane, as share of its size, up to which a loop with holes lies in it.
     """
     net = net_of_state(state)
     patches = state.of_kind(Patch)
     known = [(patch, loops_of_patch(net, patch)) for patch in patches]
     fixed = [loop for patch, loops in known if patch.confirmed for loop in loops]
-    found = find_loops(net, fixed=fixed, rejected=_rejected(net, state.rejected))
+    found = find_loops(net, fixed=fixed, rejected=_rejected(net, state.rejected), flat=flat)
     return _with_loops(state, net, found.loops)
 
 
