@@ -432,3 +432,15 @@ def test_a_split_curve_of_a_hole_stays_in_its_outline():
     name = next(curve.id for curve in state.of_kind(Curve) if curve.name == "a.t0")
     made, _ = split_curve(state, name, [0.4])
     assert outline_counts(made) == outline_counts(state)
+
+
+@pytest.mark.parametrize("digits", [3, 5])
+def test_rounded_points_of_a_leaning_plate_have_holes_as_well(digits):
+    made = random_plate(7120)
+    given = made.facts(turned(7120))
+    for row in given["network"]["curves"]:
+        row["points"] = np.round(row["points"], digits).tolist()
+    result, told = solved(given)
+    assert faces_of(result) == set(made.faces)
+    assert told["closed"]
+    assert all(one.fill is not None for one in result.patches)
