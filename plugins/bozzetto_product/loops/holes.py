@@ -220,7 +220,7 @@ def with_holes(
         around[id(ring)] = ring
     if not around:
         return list(loops)
-    owners = {id(hole): row[0] for row in every[:fixed] for hole in row[1:]}
+    owners = {id(hole): row[0] for row in every for hole in row[1:]}
     bound = set(map(id, (row[0] for row in every[:fixed])))
     known = [ring for row in every for ring in row]
     rings = _Rings([*known, *(ring for ring in around.values() if id(ring) not in own)])

@@ -148,8 +148,7 @@ def switched(state: ProductState, net: Net, loop: Loop) -> ProductState:
     edges = rim_edges(net, loop)
     for patch in state.of_kind(Patch):
         if any(rim_edges(net, own) == edges for own in loops_of_patch(net, patch)):
-            gone = loops_of_patch(net, patch)
-            return _with_holes_added(without_patch(state, patch), net, gone)
+            return without_patches(state, [patch])
     rejected = tuple(
         other
         for other in state.rejected
@@ -218,10 +217,16 @@ def _with_loops_changed(
     return replace(state, nodes=tuple(nodes))
 
 
-def without_patch(state: ProductState, patch: Patch) -> ProductState:
-    """Return the state with a patch switched off: its loop is not found again."""
-    state = state.without_nodes(patch.id)
-    return replace(state, rejected=(*state.rejected, patch.boundary))
+def without_patches(state: ProductState, patches: Sequence[Patch]) -> ProductState:
+    """Return the state with patches switched off: their loops are not found again.
+
+    One from which other surfaces leave is a hole of the surface round it then.
+    """
+    net = net_of_state(state)
+    loops = [loop for patch in patches for loop in loops_of_patch(net, patch)]
+    state = state.without_nodes(*(patch.id for patch in patches))
+    rejected = (*state.rejected, *(patch.boundary for patch in patches))
+    return _with_holes_added(replace(state, rejected=rejected), net, loops)
 
 
 def _loops(state: ProductState, net: Net) -> list[Loop]:

@@ -186,6 +186,24 @@ def test_what_a_person_said_of_a_hole_stays_while_the_network_grows(touches):
     assert {node.id for node in more.nodes} == {node.id for node in state.nodes}
 
 
+def test_a_hole_in_the_core_of_a_groove_is_switched_in_the_core():
+    holes = [("groove", square(0, 0, 12), 0.0, 4.0), ("bore", square(0, 0, 2), 0.0, 0.0)]
+    state = product_of_network(plate(BOX, 10.0, holes).facts())
+    assert outline_counts(state) == ([1] * 16 + [2] * 4, True)
+    filled = touched(state, 0.0, 0.0)
+    assert outline_counts(filled) == ([1] * 18 + [2] * 3, True)
+    assert outline_counts(touched(filled, 0.0, 0.0)) == outline_counts(state)
+
+
+def test_a_hole_that_was_a_surface_is_one_again_when_that_is_deleted():
+    state = bored()
+    filled = touched(state, 0.0, 0.0)
+    fresh = {node.id for node in filled.nodes} - {node.id for node in state.nodes}
+    nodes = tuple(node for node in filled.nodes if node.id not in fresh)
+    deleted = ProductModeler().with_parts(filled, nodes, "")
+    assert outline_counts(deleted) == outline_counts(state)
+
+
 def test_a_face_that_is_switched_off_comes_back_with_its_holes():
     state = bored()
     gone = touched(state, 30.0, 20.0)
