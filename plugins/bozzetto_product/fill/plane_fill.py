@@ -20,8 +20,8 @@ from bozzetto_product.fill.fill_mesh import boundary_samples
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.fill.normal_field import across
 from bozzetto_product.fill.patch_fill import PatchFill, patch_fill
-from bozzetto_product.fill.quadric import plane_through
 from bozzetto_product.fill.ring_triangles import Inside, even_triangles
+from bozzetto_product.network.flat_places import plane_through
 from bozzetto_product.network.net import Loop
 
 if TYPE_CHECKING:

@@ -104,8 +104,8 @@ def named_loop(net: Net, names: Sequence[str], wanted: Sequence[str]) -> Loop | 
     outlines = []
     for part in _hanging_together(net, list(allowed)):
         places = sorted({allowed[edge] for edge in part})
-        own = {edge: places.index(allowed[edge]) for edge in part}
-        outline = min(_closed_walks(net, own, len(places)), key=len, default=None)
+        known = {edge: places.index(allowed[edge]) for edge in part}
+        outline = min(_closed_walks(net, known, len(places)), key=len, default=None)
         if outline is None:
             return None
         outlines.append(outline)

@@ -15,8 +15,8 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import cached_property
-from bozzetto_product.fill.quadric import OFF_PLANE, plane_through
 from bozzetto_product.loops.sampling import SampledNet
+from bozzetto_product.network.flat_places import OFF_PLANE, plane_through
 from bozzetto_product.network.half_edges import half_edges
 from bozzetto_product.network.net import Loop
 from bozzetto_product.network.outlines import joined_outlines, outlines_of, reversed_outline
