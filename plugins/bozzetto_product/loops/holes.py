@@ -152,14 +152,13 @@ class _Rings:
 
     def __init__(self, rings: Sequence[_Ring]) -> None:
         self.rings = sorted(rings, key=lambda ring: -ring.size)
-        self._low = np.array([ring.box[0] for ring in self.rings])
-        self._high = np.array([ring.box[1] for ring in self.rings])
-        self._reach = np.array([ring.reach for ring in self.rings])[:, None]
+        self._low = np.reshape([ring.box[0] - ring.reach for ring in self.rings], (-1, 3))
+        self._high = np.reshape([ring.box[1] + ring.reach for ring in self.rings], (-1, 3))
 
     def around(self, ring: _Ring) -> list[_Ring]:
         """Return the rings that a ring lies within, the greatest area first."""
         low, high = ring.box
-        held = (self._low - self._reach <= low) & (self._high + self._reach >= high)
+        held = (self._low <= low) & (self._high >= high)
         rows = [self.rings[k] for k in np.flatnonzero(held.all(axis=1)).tolist()]
         return [other for other in rows if other is not ring and other.is_round(ring)]
 
