@@ -198,34 +198,22 @@ def with_holes(
         for ring in row:
             for edge in ring.edges:
                 users.setdefault(edge, []).append(ring)
-    rims = _Rings([row[0] for row in every])
-    maybe = [row[0] for row in every[fixed:]]
-    maybe += [
+    rims = [row[0] for row in every]
+    possible = [
         _Ring.of(sampled, flat, loop)
         for loop in others
         if all(len(users.get(edge, ())) < 2 for edge, _ in loop)
     ]
-    around = {}
-    taken = set[int]()
-    own = set(map(id, rims.rings))
-    for ring in maybe:
-        homes = rims.around(ring)
-        if not homes or not _has_walls(ring, homes[-1], users):
-            continue
-        if id(ring) not in own:
-            if not ring.edges.isdisjoint(taken):
-                continue
-            taken |= ring.edges
-        around[id(ring)] = ring
-    if not around:
+    walled = _walled(rims, rims[fixed:], possible, users)
+    if not walled:
         return list(loops)
     owners = {id(hole): row[0] for row in every for hole in row[1:]}
-    bound = set(map(id, (row[0] for row in every[:fixed])))
+    own, bound, maybe = (set(map(id, each)) for each in (rims, rims[:fixed], walled))
     known = [ring for row in every for ring in row]
-    rings = _Rings([*known, *(ring for ring in around.values() if id(ring) not in own)])
+    rings = _Rings([*known, *(ring for ring in walled if id(ring) not in own)])
     found: dict[int, list[_Ring]] = {}
     for ring in rings.rings:
-        if id(ring) in around:
+        if id(ring) in maybe:
             inner = [o for o in rings.around(ring) if id(o) in own or id(o) in owners]
             home = inner[-1]
             if id(home) not in owners and id(home) not in bound:
@@ -237,6 +225,34 @@ def with_holes(
         else joined_outlines((loop, *(_clockwise(row[0], h) for h in found.get(id(row[0]), ()))))
         for number, (loop, row) in enumerate(zip(loops, every, strict=True))
     ]
+
+
+def _walled(
+    rims: Sequence[_Ring],
+    free: Sequence[_Ring],
+    others: Sequence[_Ring],
+    users: dict[int, list[_Ring]],
+) -> list[_Ring]:
+    """Return the rings with walls within the outline of a surface: no two others share an edge.
+
+    Parameters
+    ----------
+    rims : sequence of _Ring
+        The outlines of all surfaces.
+    free, others : sequence of _Ring
+        Those of surfaces that may be holes, and rings that are of no surface.
+    users : dict of int to list of _Ring
+        The outlines of surfaces at each edge.
+    """
+    homes = _Rings(rims)
+    taken = set[int]()
+    made = []
+    for number, ring in enumerate([*free, *others]):
+        around = homes.around(ring)
+        if around and _has_walls(ring, around[-1], users) and ring.edges.isdisjoint(taken):
+            made.append(ring)
+            taken |= ring.edges if number >= len(free) else set()
+    return made
 
 
 def with_clockwise_holes(sampled: SampledNet, outlines: Sequence[Loop]) -> Loop:
