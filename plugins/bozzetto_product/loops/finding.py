@@ -30,7 +30,8 @@ class FoundLoops:
     loops : tuple of Loop
         Those that were fixed come first, as they were given; then those found, with their holes.
     costs : (n,) float
-        What speaks against each loop less what speaks for it: below 0 for one that was found.
+        What speaks against each loop less what speaks for it: below 0 for one that was found. With
+        that of its holes, where these would be surfaces else.
     likely_open : tuple of bool
         Whether it may well be an opening that the person left, as it runs without a corner along
         the rims of others: told, so that it can be shown.
@@ -112,14 +113,19 @@ def find_loops(
     order = np.argsort(costs, kind="stable")
     of_fixed = loop_costs(sampled, [half_edges(rim_of(net, loop)) for loop in fixed])
     shared = taken + _usage(len(net.edges), [loops[number] for number in chosen]) > 1
+    worth = {edges_of(loops[number]): float(costs[number]) for number in chosen}
     found, chosen = _with_holes(sampled, fixed, loops, (chosen, order), flat)
+    of_found = [
+        sum(worth.get(edges_of(outline), 0.0) for outline in _outlines(sampled, half_edges(loop)))
+        for loop in found
+    ]
     likely_open = [
         bool(rated.corners[number] == 0 and shared[[half // 2 for half in loops[number]]].all())
         for number in chosen
     ]
     return FoundLoops(
         (*fixed, *found),
-        (*(of_fixed.costs - SIDE_GAIN * of_fixed.sides).tolist(), *costs[chosen].tolist()),
+        (*(of_fixed.costs - SIDE_GAIN * of_fixed.sides).tolist(), *of_found),
         (*(False for _ in fixed), *likely_open),
         tuple(loop_of_half_edges(loops[number]) for number in order),
         tuple(costs[order].tolist()),
