@@ -129,6 +129,8 @@ def courses_of(
     """
     paths = [(owner, path) for owner, curve in enumerate(curves)
              for path in curve_paths(curve, nets, template)]  # fmt: skip
+    if not paths:
+        return [[] for _ in curves]
     ends = np.cumsum([len(path) for _, path in paths])
     points = np.split(points_at(nets, join_paths([path for _, path in paths])), ends[:-1])
     drafts: list[tuple[int, Places, Array, Array, list[int]]] = []

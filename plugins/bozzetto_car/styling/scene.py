@@ -79,6 +79,8 @@ def _all_laid_out(curves: tuple[StylingCurve, ...], body: Body) -> tuple[tuple[A
     """Return the parts of curves on a body as polylines."""
     courses = courses_of(curves, body.nets, body.template)
     places = [_sampled(course) for own in courses for course in own]
+    if not places:
+        return tuple(() for _ in curves)
     ends = np.cumsum([len(own) for own in places])
     lines = iter(np.split(points_at(body.nets, join_paths(places)), ends[:-1]))
     return tuple(tuple(itertools.islice(lines, len(own))) for own in courses)
