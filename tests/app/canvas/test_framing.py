@@ -339,6 +339,18 @@ def test_a_car_that_a_command_puts_on_the_sheet_is_in_view_whatever_was_pressed(
     assert sees_all(window)
 
 
+def test_the_first_shape_tilts_where_it_is_framed(make_window, qtbot, settle):
+    """The tilt began before the view had gone to the car, and ended where nothing was seen."""
+    window = make_window("bozzetto.car")
+    session, motion = window.session, window.canvas.motion
+    motion.reduced = False
+    session.commands.run("new-car")
+    qtbot.waitUntil(lambda: motion.is_running, timeout=20_000)
+    qtbot.waitUntil(lambda: not motion.is_running, timeout=20_000)
+    settle(session, window.keeper)
+    assert sees_all(window)
+
+
 def test_a_car_that_begins_with_a_mesh_is_in_view(make_window, settle, tmp_path):
     """It stands as a template does, and not where the mesh lay."""
     window = make_window("bozzetto.car")
