@@ -37,7 +37,8 @@ def drag_place(
     place: ArrayLike, pixel: ArrayLike, camera: Camera, free: ArrayLike = (True, True, True)
 ) -> Array:
     """Return where a point (3,) goes that is dragged to a pixel (2,); see `drag_places`."""
-    return drag_places([place], [pixel], camera, [free])[0]
+    one, goal, axes = np.asarray(place, float), np.asarray(pixel, float), np.asarray(free, bool)
+    return np.asarray(drag_places(one[None], goal[None], camera, axes[None])[0])
 
 
 def drag_places(places: ArrayLike, pixels: ArrayLike, camera: Camera, free: ArrayLike) -> Array:

@@ -51,7 +51,8 @@ def test_many_go_where_each_one_goes_by_itself(kind: Kind) -> None:
     alone = [
         drag_place(*each[:2], camera, each[2]) for each in zip(places, pixels, free, strict=True)
     ]
-    np.testing.assert_allclose(moved, alone, rtol=0.0, atol=1e-6)
+    # The nearest place on a line is where a square is least: it is known to half of the digits.
+    np.testing.assert_allclose(moved, alone, rtol=0.0, atol=1e-4)
     np.testing.assert_array_equal(moved[~free], places[~free])
 
 
