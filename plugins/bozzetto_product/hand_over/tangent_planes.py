@@ -107,7 +107,7 @@ def _along_planes(step: Array, normals: Sequence[Array]) -> Array:
         return step
     _, sizes, axes = np.linalg.svd(np.array(normals), full_matrices=False)
     held = axes[sizes > ALIKE * np.sqrt(len(normals))]
-    return step - (held @ step) @ held
+    return np.asarray(step - (held @ step) @ held)
 
 
 def _turned(
