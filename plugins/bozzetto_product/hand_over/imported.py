@@ -27,6 +27,7 @@ from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.model.curves import FARTHEST, Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.network.flat_places import plane_through
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.operations.boundaries import outlines_of_boundary
 from bozzetto_product.solve.found_patches import with_patches_found
@@ -58,12 +59,21 @@ def product_of_network(
     else:
         state = _with_named_loops(state, network)
     state = with_common_tangents(flattened(state, network.rounding), network.tolerance)
-    if network.loops is None and any(
-        len(outlines_of_boundary(patch.boundary)) > 1 for patch in state.of_kind(Patch)
-    ):
-        state = with_patches_found(state)  # what was put into no plane exactly has no holes
+    if network.loops is None and not _has_flat_faces(state):
+        state = with_patches_found(state)
     state = _with_pressures(state, network)
     return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
+
+
+def _has_flat_faces(state: ProductState) -> bool:
+    """Whether all surfaces with holes lie in planes, exactly: no others can be filled."""
+    net = net_of_state(state)
+    return all(
+        plane_through(np.vstack([net.edges[edge].spline.control_points for edge, _ in loop]))
+        for patch in state.of_kind(Patch)
+        if len(outlines_of_boundary(patch.boundary)) > 1
+        for loop in loops_of_patch(net, patch)
+    )
 
 
 def _with_named_loops(state: ProductState, network: Network) -> ProductState:

@@ -115,7 +115,7 @@ def _surfaced(state: ProductState) -> set[str]:
 
 def _gain(state: ProductState) -> float:
     """Return how much speaks for the surfaces of a network, all together."""
-    return -sum(find_loops(net_of_state(state)).costs)
+    return -find_loops(net_of_state(state)).total
 
 
 def _without(before: ProductState, after: ProductState, gone: Sequence[Joint]) -> ProductState:

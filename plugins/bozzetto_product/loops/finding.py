@@ -38,6 +38,9 @@ class FoundLoops:
         All loops that may be meant, those rejected and holes included, the best first; without
         their own holes.
     candidate_costs : (k,) float
+    total : float
+        Sum of the costs, with those of loops that would be surfaces if they were no holes: a joint
+        by which a hole is found makes nothing worse.
     """
 
     loops: tuple[Loop, ...]
@@ -45,6 +48,7 @@ class FoundLoops:
     likely_open: tuple[bool, ...]
     candidates: tuple[Loop, ...]
     candidate_costs: tuple[float, ...]
+    total: float
 
 
 def _key(
@@ -112,17 +116,20 @@ def find_loops(
     order = np.argsort(costs, kind="stable")
     of_fixed = loop_costs(sampled, [half_edges(rim_of(net, loop)) for loop in fixed])
     shared = taken + _usage(len(net.edges), [loops[number] for number in chosen]) > 1
+    of_chosen = float(costs[chosen].sum())
     found, chosen = _with_holes(sampled, fixed, loops, (chosen, order), flat)
     likely_open = [
         bool(rated.corners[number] == 0 and shared[[half // 2 for half in loops[number]]].all())
         for number in chosen
     ]
+    costs_of_fixed = (of_fixed.costs - SIDE_GAIN * of_fixed.sides).tolist()
     return FoundLoops(
         (*fixed, *found),
-        (*(of_fixed.costs - SIDE_GAIN * of_fixed.sides).tolist(), *costs[chosen].tolist()),
+        (*costs_of_fixed, *costs[chosen].tolist()),
         (*(False for _ in fixed), *likely_open),
         tuple(loop_of_half_edges(loops[number]) for number in order),
         tuple(costs[order].tolist()),
+        sum(costs_of_fixed) + of_chosen,
     )
 
 
