@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Final
 
 from bozzetto.arrays import Flags
@@ -102,6 +102,10 @@ def best_draft(
 def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     """Choose the likeliest draft, one of another spread and overshoot, then others.
 
+    Of drafts in which the same ends meet only the likeliest one is chosen, for all are mended to
+    the same. Those that take other segments for one line come before others: steps seldom find
+    them.
+
     Parameters
     ----------
     starts : sequence of Draft
@@ -109,20 +113,32 @@ def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     most : int
         How many to choose.
     """
-    ordered = sorted(starts, key=lambda each: each.cost)
+    likeliest: dict[Hashable, Draft] = {}
+    for each in sorted(starts, key=lambda each: each.cost):
+        likeliest.setdefault(each.meeting_ends, each)
+    ordered = list(likeliest.values())
     first = ordered[0].fits.spread
     other = [
         each
         for each in ordered
         if each.fits.spread.across != first.across and each.fits.spread.overshoot != first.overshoot
     ][:1]
-    return [ordered[0], *other, *(each for each in ordered[1:] if each not in other)][:most]
+    chosen = [ordered[0], *other]
+    groups = {each.groups for each in chosen}
+    for each in ordered:
+        if each.groups not in groups:
+            groups.add(each.groups)
+            chosen.append(each)
+    return [*chosen, *(each for each in ordered if each not in chosen)][:most]
 
 
 def settled(
     draft: Draft, every: Sequence[Fits], checkpoint: Callable[[], None], most: int
 ) -> tuple[Draft, int]:
     """Repair a draft, choose its likeliest spread, and so on until neither changes.
+
+    Steps lower the cost, and may make lines of solids others: where the draft was less in doubt
+    before them, it stays.
 
     Parameters
     ----------
@@ -140,7 +156,7 @@ def settled(
     Draft, int
         The second value is how many steps were priced.
     """
-    priced = 0
+    priced, before = 0, draft.copied()
     for _ in range(MOST_SPREADS):
         priced += repair(draft, checkpoint)
         better = with_best_spread(draft, every)
@@ -149,6 +165,8 @@ def settled(
         draft = better
         if priced >= most:
             break
+    if not draft.is_whole:
+        draft = min(draft, with_best_spread(before, every), key=_doubt)
     return draft, priced
 
 
