@@ -51,8 +51,9 @@ kept in single precision."""
 QUARTER: Final = np.array([[0.0, 1.0], [-1.0, 0.0]])
 """Turns rows by a quarter."""
 
-KEPT: Final = 1e-4
-"""The same, beyond which bars would not keep their lengths."""
+KEPT: Final = 2e-3
+"""The same, beyond which bars would not keep their lengths; ink of several bars in one stroke comes
+no nearer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,19 +224,13 @@ def _carried(strokes: Strokes, graph: LineGraph, before: Array, after: Array) ->
 
 
 def _same_corners(graph: LineGraph, other: LineGraph, meant: Array) -> Index | None:
-    """Return the corners of another graph of the same strokes in the order of the first.
+    """Return which corner of another graph each of one is, at the places meant, (n, 2) px.
 
-    None where it has other lines; `meant` are the places of the corners, px.
+    None where the other one has not the same lines.
     """
-    lines = {strokes: pair for strokes, pair in zip(other.strokes, other.lines, strict=True)}
-    if set(lines) != set(graph.strokes) or len(other.places) != len(graph.places):
+    if len(other.places) != len(graph.places):
         return None
-    found = np.full(len(graph.places), -1)
-    for pair, strokes in zip(graph.lines, graph.strokes, strict=True):
-        ends = lines[strokes]
-        apart = np.linalg.norm(other.places[ends][:, None] - meant[pair], axis=2)
-        ends = ends if np.trace(apart) <= np.trace(apart[::-1]) else ends[::-1]
-        if ((found[pair] >= 0) & (found[pair] != ends)).any():
-            return None
-        found[pair] = ends
-    return found if (found >= 0).all() else None
+    found = np.linalg.norm(meant[:, None] - other.places, axis=2).argmin(axis=1)
+    lines = {(min(a, b), max(a, b)) for a, b in found[graph.lines].tolist()}
+    same = len(set(found.tolist())) == len(found) and lines == set(map(tuple, other.lines.tolist()))
+    return found if same else None

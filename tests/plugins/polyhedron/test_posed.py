@@ -21,17 +21,18 @@ from bozzetto_polyhedron.tools.move import Move
 from tests.plugins.polyhedron import known_linkages
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
 from tests.plugins.polyhedron.linkages import (
-    FOUR_BAR,
-    FOUR_BAR_LINES,
     SHEET,
     drawn,
     linkage,
     straight,
+    tapped,
     with_motor,
 )
 from tests.plugins.polyhedron.objects import OBJECTS
 
 FRAME = 1.0 / 60.0
+BARS = {"a": (400, 600), "b": (440, 430), "c": (720, 380), "d": (770, 600)}
+LINES = ("ab", "bc", "cd")
 
 
 def corners(state: PolyhedronState, number: int = 0) -> np.ndarray:
@@ -70,23 +71,21 @@ def sheet_of(state: PolyhedronState) -> np.ndarray:
 
 def trembling(strokes, rng) -> Strokes:
     return Strokes(
-        Stroke(s.x + rng.normal(0, 1.5, len(s.x)), s.y + rng.normal(0, 1.5, len(s.x)), SHEET)
+        Stroke(*(s.points + np.cumsum(rng.normal(0.0, 0.4, (len(s.x), 2)), 0)).T, SHEET)
         for s in strokes
     )
 
 
 def four_bar(seed: int | None = None) -> PolyhedronState:
-    state = linkage(FOUR_BAR, FOUR_BAR_LINES)
+    state = linkage(BARS, LINES)
     if seed is not None:
         body = state.nodes[0]
         ink = trembling(body.strokes, np.random.default_rng(seed))
         state = state.with_node(replace(body, strokes=ink))
     for name in "ad":
-        near = sheet_of(state)[np.linalg.norm(sheet_of(state) - FOUR_BAR[name], axis=1).argmin()]
-        from tests.plugins.polyhedron.linkages import tapped
-
+        near = sheet_of(state)[np.linalg.norm(sheet_of(state) - BARS[name], axis=1).argmin()]
         state = Move().tap(state, tapped(near), Context())
-    return with_motor(state, FOUR_BAR["a"], FOUR_BAR["b"])
+    return with_motor(state, BARS["a"], BARS["b"])
 
 
 def test_what_has_not_moved_is_left_alone() -> None:
@@ -115,8 +114,8 @@ def test_bars_of_a_trembling_hand_keep_their_lengths_however_often_poses_are_kep
 ) -> None:
     state = four_bar(seed)
     before = lengths(state)
-    for _ in range(6):
-        state = at_rest_here(played(state, 11), {})
+    for _ in range(4):
+        state = at_rest_here(played(state, 5), {})
     assert lengths(state) == pytest.approx(before, rel=1e-5)
     assert len(state.nodes[0].anchors) == 2
     assert all(anchor.at is None for anchor in state.nodes[0].anchors)
@@ -125,7 +124,7 @@ def test_bars_of_a_trembling_hand_keep_their_lengths_however_often_poses_are_kep
 def test_a_bar_is_where_it_was_drawn_and_nothing_leaps() -> None:
     state = played(four_bar(), 20)
     there = sheet_of(state)
-    apart = np.linalg.norm(there - FOUR_BAR["a"], axis=1)
+    apart = np.linalg.norm(there - BARS["a"], axis=1)
     hinge, free = there[apart.argsort()[1]], np.array([520.0, 250.0])
     drawn_on = DrawLines().draw(state, Ink((straight(hinge, free),)), Context())
     assert len(drawn_on.of_kind(Body)) == 1
@@ -138,31 +137,30 @@ def test_a_bar_is_where_it_was_drawn_and_nothing_leaps() -> None:
 
 
 def test_a_bar_between_corners_that_have_moved_is_as_long_as_they_are_apart_now() -> None:
-    state = played(linkage({**FOUR_BAR, "e": (560, 640)}, (*FOUR_BAR_LINES, "ce"), "ad"), 0)
-    begin = sheet_of(state)[np.linalg.norm(sheet_of(state) - FOUR_BAR["b"], axis=1).argmin()]
-    state = pulled(state, begin, np.array([60.0, -30.0]))
+    state = linkage({**BARS, "e": (900, 300)}, (*LINES, "ce"), "ad")
+    state = pulled(state, np.array(BARS["b"]), np.array([40.0, -10.0]))
     there = sheet_of(state)
-    first = there[np.linalg.norm(there - begin, axis=1).argmin()]
-    ends = [there[np.linalg.norm(there - FOUR_BAR[k], axis=1).argmin()] for k in "a"]
-    loose = max(there.tolist(), key=lambda each: each[1] - abs(each[0] - 560.0))
-    made = DrawLines().draw(state, Ink((straight(first, loose),)), Context())
-    bar = np.linalg.norm(np.subtract(loose, first))
-    now = sheet_of(made)
-    ends = now[moving(made).machine.shapes[0].edges]
-    assert np.abs(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) - bar).min() < 0.5
+    first, last = there[there[:, 0].argsort()[[1, -1]]]
+    made = DrawLines().draw(state, Ink((straight(first, last),)), Context())
+    ends = sheet_of(made)[moving(made).machine.shapes[0].edges]
+    found = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+    assert len(found) == 5
+    assert np.abs(found - np.linalg.norm(last - first)).min() < 0.5
 
 
 def test_one_stroke_of_several_bars_goes_with_each() -> None:
-    state = linkage(FOUR_BAR, ())
+    state = linkage(BARS, ())
     way = np.concatenate(
-        [np.linspace(FOUR_BAR[a], FOUR_BAR[b], 30) for a, b in FOUR_BAR_LINES]
+        [np.linspace(BARS[a], BARS[b], 30) for a, b in LINES]
     )
     body = state.nodes[0]
     state = state.with_node(replace(body, strokes=Strokes([Stroke(*way.T, SHEET)])))
-    state = pulled(state, np.array(FOUR_BAR["b"]), np.array([50.0, -60.0]))
+    for name in "ad":
+        state = Move().tap(state, tapped(BARS[name]), Context())
+    state = pulled(state, np.array(BARS["b"]), np.array([-40.0, 10.0]))
     made = at_rest_here(state, {})
-    assert lengths(made) == pytest.approx(lengths(state), rel=1e-4)
-    assert np.sort(sheet_of(made), 0) == pytest.approx(np.sort(sheet_of(state), 0), abs=0.05)
+    assert lengths(made) == pytest.approx(lengths(state), rel=0.01)
+    assert np.sort(sheet_of(made), 0) == pytest.approx(np.sort(sheet_of(state), 0), abs=1.0)
 
 
 def test_a_line_on_a_solid_that_was_pulled_away_is_on_it() -> None:
@@ -172,9 +170,10 @@ def test_a_line_on_a_solid_that_was_pulled_away_is_on_it() -> None:
     start = VIEW.project(corners(state))[0][7]
     state = pulled(state, start, np.array([140.0, -60.0]), VIEW)
     there = corners(state)
-    face = next(f[0] for f in moving(state).machine.shapes[0].faces if 7 in f[0])
+    near = int((there @ VIEW.axes[2]).argmin())
+    face = next(f[0] for f in moving(state).machine.shapes[0].faces if near in f[0])
     inside = VIEW.project(there[list(face)].mean(0)[None])[0][0]
-    corner = VIEW.project(there)[0][7]
+    corner = VIEW.project(there)[0][near]
     stroke = straight(corner, 0.3 * corner + 0.7 * inside, VIEW)
     made = DrawLines().draw(state, Ink((stroke,)), Context())
     assert made.moved is None
@@ -182,8 +181,7 @@ def test_a_line_on_a_solid_that_was_pulled_away_is_on_it() -> None:
     (added,) = made.of_kind(Added)
     changed = solved(made.node(added.body), made).changed
     assert changed is not None
-    begin = made.node(added.body).placement.points(changed.points)
-    assert np.linalg.norm(begin - there[7], axis=1).min() < 1e-6 * np.ptp(there)
+    assert np.linalg.norm(changed.points - there[near], axis=1).min() < 1e-6 * np.ptp(there)
 
 
 @pytest.mark.parametrize("moves", ["links", "plates"])
@@ -200,7 +198,7 @@ def test_what_has_one_pose_at_rest_is_drawn_on_there_alone(moves: str) -> None:
 
 def test_what_a_motor_swings_is_drawn_on_at_rest() -> None:
     state = with_motor(
-        linkage(FOUR_BAR, FOUR_BAR_LINES, "ad"), FOUR_BAR["a"], FOUR_BAR["b"], drive="swing"
+        linkage(BARS, LINES, "ad"), BARS["a"], BARS["b"], drive="swing"
     )
     with pytest.raises(UserError, match="swings"):
         at_rest_here(played(state, 9), {})
