@@ -1,5 +1,4 @@
-"""Numbers that correct the confidence; written by
-``python -m tests.plugins.polyhedron.fit_corrections``."""
+"""Numbers that correct the confidence; ``python -m tests.plugins.polyhedron.fit_corrections``."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ OPEN: Final = FEATURES.index("open lines")
 """Column of the share of lines that are not between two faces."""
 
 MOST_LIFTED: Final = 10
-"""Liftings of the body that are read, at most: of 120 drawings of solids no one has more, scribbles
+"""Liftings of the body that are read, at most: of 120 drawings of solids none has more, scribbles
 have up to sixteen."""
 
 MOST_WAYS: Final = 4
@@ -55,8 +55,8 @@ THROUGH: Final = FEATURES.index("through-holes")
 """Column of the number of through-holes."""
 
 ALIKE: Final = 8.0
-"""Mean angle between the lines of two readings, degrees, up to which they are one shape: mostly both
-are right then, or neither."""
+"""Mean angle between the lines of two readings, degrees, up to which they are one shape: mostly
+both are right then, or neither."""
 
 COMPARED: Final = 3
 """Readings, the best ones, of which it is asked whether they are one shape."""

@@ -50,8 +50,7 @@ UNHEARD: dict[str, tuple[float, float]] = {
 """Limits of traits that fewer than one drawing of a hundred has."""
 
 HEADER = '''\
-"""Numbers that correct the confidence; written by
-``python -m tests.plugins.polyhedron.fit_corrections``."""
+"""Numbers that correct the confidence; ``python -m tests.plugins.polyhedron.fit_corrections``."""
 
 from __future__ import annotations
 

@@ -38,9 +38,7 @@ TYPICAL = np.array([0.5 * (low + high) for low, high, _ in TRAITS.values()])
 @pytest.mark.parametrize("evidence", LOG_ODDS)
 def test_a_larger_lead_is_more_certain(evidence) -> None:
     leads = np.linspace(0.0, 8.0, 30)
-    first = [
-        confidences(np.array((lead, 0.0, -1.0)), evidence, TYPICAL, lead)[0] for lead in leads
-    ]
+    first = [confidences(np.array((lead, 0.0, -1.0)), evidence, TYPICAL, lead)[0] for lead in leads]
     assert (np.diff(first) >= 0.0).all()
     assert first[0] < 0.8 < first[-1]
 
@@ -115,7 +113,8 @@ def test_the_corrections_find_what_is_said_too_surely() -> None:
         every.append(Outcome("plain", lead, TYPICAL, bool(rng.uniform() < true[-1]), apart))
     made = fitted_corrections(every)
     assert np.abs([told(made, each) for each in every] - np.clip(true, LEAST, MOST)).mean() < 0.03
-    rows = [row for row in ast.parse(text_of_corrections(made)).body if isinstance(row, ast.AnnAssign)]
+    module = ast.parse(text_of_corrections(made))
+    rows = [row for row in module.body if isinstance(row, ast.AnnAssign)]
     kept = {ast.unparse(row.target): ast.literal_eval(row.value) for row in rows}
     assert tuple(kept["CORRECTIONS"]) == CORRECTED == tuple(CORRECTIONS)
 
