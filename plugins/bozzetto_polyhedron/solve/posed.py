@@ -174,17 +174,20 @@ def _redrawn(body: Body, places: Array) -> tuple[Body, Array]:
     camera, graph = camera_of(body), graph_of_visible_ink(body.strokes, never)
     meant: Array = camera.project(body.placement.inverse().points(places))[0]
     extent = float(np.linalg.norm(np.ptp(meant, axis=0)))
-    ink = _carried(body.strokes, graph, graph.places, meant)
+    ink, nearest = body.strokes, float("inf")
+    trial = _carried(body.strokes, graph, graph.places, meant)
     for _ in range(ROUNDS):
-        found = graph_of_visible_ink(ink, never)
+        found = graph_of_visible_ink(trial, never)
         same = _same_corners(graph, found, meant)
         if same is None:
-            raise UserError(CROWDED)
-        off = float(np.abs(found.places[same] - meant).max())
-        if off <= NEAR * extent:
             break
-        ink = _carried(ink, graph, found.places[same], meant)
-    if off > KEPT * extent:
+        off = float(np.abs(found.places[same] - meant).max()) / extent
+        if off < nearest:
+            ink, nearest = trial, off
+        if nearest <= NEAR:
+            break
+        trial = _carried(trial, graph, found.places[same], meant)
+    if nearest > KEPT:
         raise UserError(CROWDED)
     return replace(body, strokes=ink), meant
 
