@@ -47,9 +47,9 @@ holes in strokes one in twenty is drawn off by three standard deviations."""
 APART: Final = 0.8
 """Gap, in units of the noise, from which on it is also asked whether a ring lies beside a face."""
 
-BESIDE: Final = 3.5
+BESIDE: Final = 3.0
 """What a ring costs that lies beside a face and not in it, nats: floors are of any thickness, of
-which twenty times the noise is usual, and holes are commoner. So it costs however thick one is."""
+which twenty times the noise is usual (log 20). So it costs however thick the floor is."""
 
 WORST: Final = 12.0
 """What a gap costs at most, nats."""
