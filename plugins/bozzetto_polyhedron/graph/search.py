@@ -13,7 +13,7 @@ from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, g
 from bozzetto_polyhedron.graph.likelihood import FEW_LINES, Fits, Spread
 from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
-from bozzetto_polyhedron.graph.step_pairs import with_detours
+from bozzetto_polyhedron.graph.step_pairs import DEAREST, with_detours
 
 ACROSS: Final = (0.0015, 0.0025, 0.004, 0.006, 0.009, 0.013)
 """Standard deviations of line ends across the line that are tried, shares of the diagonal."""
@@ -85,17 +85,26 @@ def best_draft(
                 )
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
-    best: Draft | None = None
+    found: dict[Hashable, Draft] = {}
     left = MOST_PRICED
     for number, start in enumerate(diverse(starts, 1 if many else MOST_MENDED)):
         mended, priced = settled(start, every, checkpoint, left)
         left -= priced
-        best = mended if best is None else min(best, mended, key=_doubt)
+        known = found.setdefault(mended.meeting_ends, mended)
+        found[mended.meeting_ends] = min(known, mended, key=_doubt)
+        best = min(found.values(), key=_doubt)
         if best.is_whole or (number and best.loose > MOST_LOOSE) or left <= 0:
             break
-    assert best is not None
+    best = min(found.values(), key=_doubt)
     if best.loose <= MOST_LOOSE:
-        best = with_detours(best, checkpoint, left)
+        others = [each for each in found.values() if each.doubt < best.doubt + DEAREST]
+        others.sort(key=_doubt)
+        for number, each in enumerate(others):
+            made, priced = with_detours(each, checkpoint, left // (len(others) - number))
+            left -= priced
+            best = min(best, made, key=_doubt)
+            if best.is_whole or left <= 0:
+                break
     return with_best_spread(best, every)
 
 

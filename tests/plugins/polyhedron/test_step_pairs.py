@@ -25,7 +25,7 @@ def test_two_steps_find_what_one_after_the_other_does_not(monkeypatch: pytest.Mo
     monkeypatch.setattr(steps, "on_another_line", lambda around, corner: iter(()))
     strokes, places, edges = untidy(workshop_part("octagonal shaft with collar", 80_001), 80_001)
     assert is_right(searched(strokes).graph, places, edges)
-    monkeypatch.setattr(search, "with_detours", lambda draft, checkpoint, most: draft)
+    monkeypatch.setattr(search, "with_detours", lambda draft, checkpoint, most: (draft, 0))
     assert not is_right(searched(strokes).graph, places, edges)
 
 
@@ -36,7 +36,7 @@ def test_a_detour_never_leads_to_more_doubt_and_leaves_the_draft_as_it_is(name: 
     draft = searched(strokes).draft
     assert draft is not None
     before, cost = dict(draft.lines), draft.cost
-    assert with_detours(draft, lambda: None, 20_000).doubt <= draft.doubt
+    assert with_detours(draft, lambda: None, 20_000)[0].doubt <= draft.doubt
     assert draft.lines == before
     assert draft.cost == cost
 
