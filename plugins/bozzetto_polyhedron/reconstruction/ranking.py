@@ -4,7 +4,7 @@ The score of a reading is a weighted sum of its measures; its share among all re
 softmax of the scores. The weights are data in `ranking_weights`. How likely the first reading is
 right depends on its share, and on what it and the drawing are like: a logistic regression on random
 solids, whose numbers are in `confidence_tables`, and another one on what that says of drawings of
-five families, whose numbers are in `confidence_corrections`.
+five families, whose numbers are in `confidence_weights`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto_polyhedron.reconstruction.confidence_corrections import BIAS, CORRECTIONS
 from bozzetto_polyhedron.reconstruction.confidence_tables import LEADS, LOG_ODDS, TRAITS
+from bozzetto_polyhedron.reconstruction.confidence_weights import BIAS, CORRECTIONS
 from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
 from bozzetto_polyhedron.reconstruction.regularity import MEASURES
 

@@ -16,8 +16,8 @@ from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet, where_seen
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.kept_poses import at_rest_here
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
-from bozzetto_polyhedron.solve.posed import at_rest_here
 from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.solve.standing import stood
 from bozzetto_polyhedron.tools.added_lines import with_added

@@ -2,7 +2,7 @@
 
 ``python -m tests.plugins.polyhedron.fit_corrections [drawings]`` goes on from the numbers of
 ``fit_confidence``. It draws the five families of ``figures_families`` in equal shares with `SEEDS`,
-and writes ``confidence_corrections.py``: a logistic regression on what random solids say of a first
+and writes ``confidence_weights.py``: a logistic regression on what random solids say of a first
 reading, on its lead over readings of other shapes, and on four traits. Weights are pulled to 0, but
 that of the former to 1, so that little is corrected without evidence.
 
@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-import bozzetto_polyhedron.reconstruction.confidence_corrections as written
+import bozzetto_polyhedron.reconstruction.confidence_weights as written
 from bozzetto_polyhedron.reconstruction.ranking import (
     CORRECTED,
     LEAST,

@@ -7,8 +7,8 @@ import ast
 import numpy as np
 import pytest
 
-from bozzetto_polyhedron.reconstruction.confidence_corrections import CORRECTIONS
 from bozzetto_polyhedron.reconstruction.confidence_tables import LEADS, LOG_ODDS, TRAITS
+from bozzetto_polyhedron.reconstruction.confidence_weights import CORRECTIONS
 from bozzetto_polyhedron.reconstruction.ranking import (
     CORRECTED,
     DRAWN,

@@ -13,9 +13,9 @@ from bozzetto.plugin import Context, Drag, Ink, Job
 from bozzetto_polyhedron.model.changes import Added
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
+from bozzetto_polyhedron.solve.kept_poses import at_rest_here
 from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.solve.pipeline import solved
-from bozzetto_polyhedron.solve.posed import at_rest_here
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from bozzetto_polyhedron.tools.move import Move
 from tests.plugins.polyhedron import known_linkages
