@@ -8,12 +8,12 @@ from typing import Final
 from bozzetto.arrays import Flags
 from bozzetto_polyhedron.graph.clustering import clustered
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
-from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
+from bozzetto_polyhedron.graph.draft import NOT_WHOLE, Draft, Joined, draft_of, refitted
 from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
 from bozzetto_polyhedron.graph.likelihood import FEW_LINES, Fits, Spread
 from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
 from bozzetto_polyhedron.graph.segments import Segments
-from bozzetto_polyhedron.graph.step_pairs import DEAREST, with_detours
+from bozzetto_polyhedron.graph.step_pairs import with_detours
 
 ACROSS: Final = (0.0015, 0.0025, 0.004, 0.006, 0.009, 0.013)
 """Standard deviations of line ends across the line that are tried, shares of the diagonal."""
@@ -97,10 +97,10 @@ def best_draft(
             break
     best = min(found.values(), key=_doubt)
     if best.loose <= MOST_LOOSE:
-        others = [each for each in found.values() if each.doubt < best.doubt + DEAREST]
+        others = [draft for draft in found.values() if draft.doubt < best.doubt + NOT_WHOLE]
         others.sort(key=_doubt)
-        for number, each in enumerate(others):
-            made, priced = with_detours(each, checkpoint, left // (len(others) - number))
+        for number, draft in enumerate(others):
+            made, priced = with_detours(draft, checkpoint, left // (len(others) - number))
             left -= priced
             best = min(best, made, key=_doubt)
             if best.is_whole or left <= 0:
