@@ -22,7 +22,7 @@ from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.actions.dynamic_menus import ChangingMenus
-from bozzetto_app.actions.menu_actions import commands_of, number_keys
+from bozzetto_app.actions.menu_actions import commands_of, number_keys, tool_key_at
 from bozzetto_app.actions.registry import ActionRegistry
 from bozzetto_app.canvas.canvas import Canvas
 from bozzetto_app.canvas.framing import Framing
@@ -251,7 +251,8 @@ class Window(QMainWindow):
         keys = QKeySequence(event.keyCombination()).toString(
             QKeySequence.SequenceFormat.PortableText
         )
-        if not self.actions_.take_key(keys, again=event.isAutoRepeat()):
+        again = event.isAutoRepeat()
+        if not any(self.actions_.take_key(key, again=again) for key in (keys, tool_key_at(event))):
             super().keyPressEvent(event)
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:

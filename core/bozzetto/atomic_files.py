@@ -14,10 +14,11 @@ import shutil
 import stat
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any, BinaryIO, Final
+
+import msgspec
 
 from bozzetto.errors import UserError
 from bozzetto.file_locks import take
@@ -27,8 +28,7 @@ PIECE: Final = 1 << 20
 """Bytes that are read at a time for a checksum."""
 
 
-@dataclass(frozen=True)
-class FileStamp:
+class FileStamp(msgspec.Struct, frozen=True):
     """Which content a file had, so that it can be told from what it has later.
 
     Attributes
@@ -60,8 +60,7 @@ class Over(Enum):
     NOTHING = "nothing"
 
 
-@dataclass(frozen=True)
-class Written:
+class Written(msgspec.Struct, frozen=True):
     """What came of writing a file.
 
     Attributes

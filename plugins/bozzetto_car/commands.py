@@ -30,16 +30,18 @@ def all_commands() -> tuple[Command, ...]:
         ),
         Command(
             "anneal", "Smooth lines",
-            "Bend lines as little as possible through their nodes.", _anneal,
+            "Bend lines as little as possible through their nodes.",
+            _anneal, enabled=is_shaped,
         ),
         Command(
             "reduce", "Reduce tangents",
-            "Shorten long tangents, so that no edge runs back on itself.", _reduce,
+            "Shorten long tangents, so that no edge runs back on itself.",
+            _reduce, enabled=is_shaped,
         ),
         Command(
             "pull-out", "Pull panels out",
             "Make side panels and the corners of nose and tail bulge by a default amount.",
-            _pull_out,
+            _pull_out, enabled=is_shaped,
         ),
         Command(
             "undo-edits", "Take back all edits",

@@ -40,7 +40,7 @@ from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.pieces import without_idle_joints
 from bozzetto_product.report import FIGURES, cautions_of, report_of
-from bozzetto_product.solve.found_patches import with_patches_found
+from bozzetto_product.solve.found_patches import with_patches_found, without_patches
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.all_tools import all_tools
@@ -210,10 +210,10 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         """
         after = replace(state, nodes=nodes, selected=selected)
         ids = {node.id for node in nodes}
-        gone = tuple(p.boundary for p in state.of_kind(Patch) if p.id not in ids)
+        gone = [patch for patch in state.of_kind(Patch) if patch.id not in ids]
         before = {curve.id for curve in state.of_kind(Curve)}
         if before == {curve.id for curve in after.of_kind(Curve)}:
-            return replace(after, rejected=(*after.rejected, *gone)) if gone else after
+            return without_patches(after, gone) if gone else after
         return with_patches_found(without_idle_joints(after))
 
     @override

@@ -18,6 +18,7 @@ from bozzetto_product.hand_over.names import group_name, loop_names, piece_names
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import KINDS, Detail
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.network.outlines import outlines_of
 from bozzetto_product.paper.paper_surface import PaperSurface
 from bozzetto_product.solve.result import ProductResult, SolvedPatch
 
@@ -68,6 +69,7 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "g1_vertices": Figure(
         "Triangles off smooth", "The same between triangles, as their files show it", "°", digits=2
     ),
+    "holes": Figure(""),
     "kind": Figure("Kind", "What becomes of the area inside", values=dict(KINDS)),
     "carved": Figure("Carved", "Whether the surface has this detail"),
     "floor_error": Figure(
@@ -97,8 +99,9 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
     dict
         ``"loops"``: names of the curves or pieces of curves round each surface; ``"patches"``:
         for each ``"id"``, ``"name"``, ``"group"`` (its name in OBJ files), ``"curves"``,
-        ``"vertices"``, ``"quality_min"`` and ``"quality_p5"`` (2 r / R of its triangles),
-        ``"boundary_error_mm"``, ``"area_mm2"``, ``"g1_deg"`` and ``"g1_vertices_deg"``;
+        ``"holes"`` (those round each hole), ``"vertices"``, ``"quality_min"`` and
+        ``"quality_p5"`` (2 r / R of its triangles), ``"boundary_error_mm"``, ``"area_mm2"``,
+        ``"g1_deg"`` and ``"g1_vertices_deg"``;
         ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
         ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at
         vertices of the triangles, where alone files of triangles show it;
@@ -153,6 +156,7 @@ def _patch(
         "name": one.name,
         "group": group_name(one.name),
         "curves": loop_names(one.loop, names),
+        "holes": [loop_names(hole, names) for hole in outlines_of(result.net, one.loop)[1:]],
         "vertices": len(mesh.vertices),
         "quality_min": float(quality.min()),
         "quality_p5": float(np.quantile(quality, 0.05)),
@@ -379,6 +383,11 @@ def _sentences(result: ProductResult) -> Iterator[str]:
     for one in result.patches:
         if one.surface is None:
             yield f"{one.name} has no surface: {one.problem}"
+        elif one.limited and one.fill is not None and one.fill.has_holes:
+            yield (
+                f"{one.name} has holes, so it stays as it is under pressure. Draw curves from its "
+                "outline to the holes to inflate what is between them."
+            )
         elif one.limited:
             yield (
                 f"{one.name} holds less than its pressure asks for, or it would come off its "

@@ -409,7 +409,9 @@ class EmptySession(QObject):
                 for id, gesture in (("draw", "ink"), ("mark", "tap"), ("edit", "drag"))
             ),
         )
-        self.scene = DisplayedScene(calls, visible=Scene(), live=Scene(), advice=Scene())
+        self.scene = DisplayedScene(
+            calls, visible=Scene(), live=Scene(), advice=Scene(), busy=False
+        )
         self.advice = Advice(calls, advice=None, about=None, may_follow=False)
         self.solver = Solver(calls, report={}, figures={})
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-import pytest
-from PySide6.QtCore import Qt
-from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractSpinBox, QLineEdit, QToolButton, QWidget
+import sys
 
+import pytest
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QLineEdit, QToolButton, QWidget
+
+from bozzetto_app.actions.menu_actions import NUMBER_ROW
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.testing.stylus import Stylus
 from bozzetto_app.widgets.number_field import NumberField
 from tests.app.tablet import circle
 
+CTRL = Qt.KeyboardModifier.ControlModifier
 TAKES_TEXT = (QLineEdit, QAbstractSpinBox)
 
 
@@ -51,6 +56,28 @@ def test_letters_and_digits_reach_the_sheet_from_everywhere_but_fields(window, q
         assert tools.tool == expected, (type(widget).__name__, widget.accessibleName())
         asked += 1
     assert asked > 20
+
+
+@pytest.mark.parametrize(
+    ("key", "letter"), [(Qt.Key.Key_Eacute, "é"), (Qt.Key.Key_Plus, "+"), (Qt.Key.Key_At, "@")]
+)
+def test_the_row_above_the_letters_takes_tools_where_it_has_no_digits(window, key, letter):
+    """French and others have signs and letters there; the second key, without Shift."""
+    tools = window.session.toolbox
+    first, second = (group.tools[0].id for group in tools.groups[:2])
+    code = NUMBER_ROW[sys.platform][1]
+    for held, expected in ((Qt.KeyboardModifier.NoModifier, second), (CTRL, first)):
+        tools.take_tool(first)
+        event = QKeyEvent(QEvent.Type.KeyPress, key, held, code, code, 0, letter)
+        QApplication.sendEvent(window.canvas, event)
+        assert tools.tool == expected
+    field = next(one for one in window.findChildren(NumberField) if one.isVisible())
+    tools.take_tool(first)
+    field.setFocus()
+    plain = Qt.KeyboardModifier.NoModifier
+    event = QKeyEvent(QEvent.Type.KeyPress, key, plain, code, code, 0, letter)
+    QApplication.sendEvent(field, event)
+    assert tools.tool == first
 
 
 @pytest.mark.parametrize("key", [Qt.Key.Key_Return, Qt.Key.Key_Backspace])

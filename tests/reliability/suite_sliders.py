@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 
+from bozzetto_app.__main__ import ONE_THREAD
 from tests.reliability.figures import Row
 
 SECONDS = 3.0
@@ -47,7 +48,7 @@ def rows(share: float) -> Iterator[Row]:
 def _on(platform: str, seconds: float, count: int) -> Iterator[Row]:
     made = subprocess.run(
         [sys.executable, "-c", PLAY, str(seconds), str(count)],
-        env={**os.environ, "QT_QPA_PLATFORM": platform},
+        env={**os.environ, **dict.fromkeys(ONE_THREAD, "1"), "QT_QPA_PLATFORM": platform},
         capture_output=True,
         text=True,
         timeout=1800,

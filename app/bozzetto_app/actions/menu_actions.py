@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
+
+from PySide6.QtCore import Qt
 
 from bozzetto_app.actions.file_and_edit_actions import edit_commands, file_commands
 from bozzetto_app.actions.object_actions import object_commands
@@ -14,9 +17,18 @@ from bozzetto_app.i18n import tr
 from bozzetto_app.session.tool_groups import TOOL_KEYS
 
 if TYPE_CHECKING:
+    from PySide6.QtGui import QKeyEvent
+
     from bozzetto_app.main_window import Window
 
-__all__ = ["commands_of", "number_keys"]
+__all__ = ["commands_of", "number_keys", "tool_key_at"]
+
+NUMBER_ROW: Final[Mapping[str, Sequence[int]]] = {
+    "linux": range(10, 20),
+    "win32": range(2, 12),
+    "darwin": (18, 19, 20, 21, 23, 22, 26, 28, 25, 29),
+}
+"""How systems number the keys of `TOOL_KEYS` above the letters."""
 
 
 def commands_of(window: Window) -> Iterator[Action]:
@@ -100,3 +112,17 @@ def number_keys(window: Window) -> Iterator[Action]:
             enabled=partial(there_is, number - 1),
             why_not=too_few,
         )
+
+
+def tool_key_at(event: QKeyEvent) -> str:
+    """Return the tool key at whose place above the letters a key lies; "" elsewhere.
+
+    French, Belgian, Czech and some other keyboards have signs or letters there, and the numbers
+    only with Shift.
+    """
+    is_mac = sys.platform == "darwin"
+    code = event.nativeVirtualKey() if is_mac else event.nativeScanCode()
+    row = NUMBER_ROW.get(sys.platform, ())
+    if event.modifiers() != Qt.KeyboardModifier.NoModifier or code not in row:
+        return ""
+    return TOOL_KEYS[row.index(code)]

@@ -263,7 +263,11 @@ class Canvas(QWidget):
     # -- looking ------------------------------------------------------------------------------
 
     def _settled(self, model_id: str) -> None:
+        """Tilt the first shape to show that it is one, once the view has gone to where it is."""
         if self._session.advice.holds_eye(self._session.view.camera) or self._pictured == model_id:
+            return
+        if self._session.scene.busy:
+            QTimer.singleShot(0, self, lambda: self._settled(model_id))
             return
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if self._tilts and not self._tilted and idle and not self._is_of_lines(model_id):

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Model
@@ -38,8 +39,7 @@ READING_LIMIT: Final = 15.0
 """Seconds that a modeler has to read ink and solve it; what takes longer is not offered."""
 
 
-@dataclass(frozen=True, eq=False)
-class Ink:
+class Ink(msgspec.Struct, frozen=True, eq=False):
     """Ink to be read.
 
     Attributes

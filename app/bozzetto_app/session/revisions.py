@@ -32,9 +32,10 @@ from __future__ import annotations
 import itertools
 import threading
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
+
+import msgspec
 
 from bozzetto.document.links import is_same_recipe
 from bozzetto.document.model import Model
@@ -69,8 +70,7 @@ class Task(NamedTuple):
         return self.revision, self.stage
 
 
-@dataclass
-class _Course:
+class _Course(msgspec.Struct):
     """The three numbers of one model, when it was served last, and previews not yet seen.
 
     `untaken` are those that the window has not taken yet, `unpainted` those that it has.

@@ -126,9 +126,10 @@ class SceneModel(QObject):
 
     def show_advice(self, scene: Scene) -> None:
         """Show the layers that belong to the view of this moment."""
-        shown = bool(self.advice.layers)
+        before = self.advice.layers
         self._advice = scene
-        if shown or self.advice.layers:
+        now = self.advice.layers
+        if len(before) != len(now) or not all(map(_look_alike, before, now)):
             self.live_changed.emit()
 
     def _models_changed(self) -> None:
@@ -158,3 +159,9 @@ class SceneModel(QObject):
     def _style_changed(self) -> None:
         if self._view.show_ghost_ink != self._has_ghosts:
             self._refresh()
+
+
+def _look_alike(one: Layer, other: Layer) -> bool:
+    """Return whether two layers hold the very same items in the same way."""
+    ways = ((each.name, each.owner, each.tool, each.chosen) for each in (one, other))
+    return next(ways) == next(ways) and one.items == other.items

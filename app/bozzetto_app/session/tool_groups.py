@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
+
+import msgspec
 
 __all__ = ["TOOL_KEYS", "ToolGroup", "ToolInfo", "groups_of", "keys_of"]
 
@@ -33,8 +34,7 @@ class ToolInfo(NamedTuple):
     """Whether it has a `Tool.tap` of its own."""
 
 
-@dataclass(frozen=True)
-class ToolGroup:
+class ToolGroup(msgspec.Struct, frozen=True):
     """The tools behind one button of the rail.
 
     Parameters

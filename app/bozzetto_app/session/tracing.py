@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
+import msgspec
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QImage
@@ -33,8 +34,7 @@ Place = Literal["picture", "view"]
 """Where the ink goes: along the underlay as it is seen, or as large as it fits into the view."""
 
 
-@dataclass(frozen=True, eq=False)
-class Traced:
+class Traced(msgspec.Struct, frozen=True, eq=False):
     """What was found in a picture.
 
     Attributes

@@ -117,8 +117,10 @@ class ViewAdviser(QObject):
     def may_follow(self) -> bool:
         """Whether a pinned view may still go along with the newest result, which waits for it."""
         goes_along = self._is_pinned or self._shows_as_drawn
-        waits = goes_along and self._advises_on_results and not self._drawing.is_dragging
-        return waits and self.busy
+        if not goes_along or not self._advises_on_results:
+            return False
+        # In a drag only a question that was asked is worth waiting for: the next frame is near.
+        return self._channel.busy if self._drawing.is_dragging else self.busy
 
     def holds_eye(self, camera: Camera) -> bool:
         """Return whether a view stands where a picture was drawn from; see `ViewAdvice.pinned`.

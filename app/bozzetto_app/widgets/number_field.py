@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import cast
 
-from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QEvent, QLocale, QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
     QKeyEvent,
@@ -93,7 +93,7 @@ class NumberField(QDoubleSpinBox):
     """A number with a unit.
 
     Drag sideways to change it (Shift coarse, Ctrl fine), click to type, arrow keys to step;
-    sums are computed; Esc restores.
+    sums are computed, in other units too; Esc restores.
 
     Parameters
     ----------
@@ -199,7 +199,8 @@ class NumberField(QDoubleSpinBox):
         bare = text.removesuffix(self._unit).removesuffix(self._unit.strip())
         if self._zero and not bare.strip():
             return 0.0
-        exact = compute(bare)
+        parts = QLocale().groupSeparator() == ","
+        exact = compute(bare, self._unit.strip(), comma_parts=parts)
         number = float(round(exact)) if self._whole else float(exact)
         return min(max(number, self.minimum()), self.maximum())
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Final
+
+import msgspec
+from msgspec.structs import replace
 
 from bozzetto.document.model import Document
 from bozzetto.document.shared_bytes import difference
@@ -22,8 +24,7 @@ BACK: Final = "Undo"
 """Name of the step that leads back from what was undone and is kept."""
 
 
-@dataclass(frozen=True)
-class _Step:
+class _Step(msgspec.Struct, frozen=True):
     """A change: its name, what it led to, and what lies only on either side of it.
 
     `revision` is a number no other snapshot has, by which a save is recognised; `before`

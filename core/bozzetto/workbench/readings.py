@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 NO_INK: Final = "There is no ink in it: it was not drawn with a pen. Choose another object."
 
 
-@dataclass(frozen=True, eq=False)
-class Reading:
+class Reading(msgspec.Struct, frozen=True, eq=False):
     """Ink as one modeler reads it.
 
     Attributes

@@ -6,8 +6,10 @@ import itertools
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+
+import msgspec
 
 from bozzetto.document.model import LONGEST_CHAIN, Model
 from bozzetto.errors import UserError
@@ -30,15 +32,14 @@ Used: TypeAlias = "tuple[tuple[str, Placement, int], ...]"
 Key: TypeAlias = "tuple[int, str, Used]"
 
 
-@dataclass(frozen=True)
-class _Known:
+class _Known(msgspec.Struct, frozen=True):
     """A result, or the problem that stands in its place; `number` is given once in a process."""
 
     state: Any
     number: int
     result: Any = None
     problem: UserError | PluginFault | None = None
-    shapes: list[Shapes] = field(default_factory=list)
+    shapes: list[Shapes] = msgspec.field(default_factory=list)
     """What the modeler hands over of it, once that was asked for."""
 
 

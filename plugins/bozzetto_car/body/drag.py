@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
 from bozzetto.ink import places_on_sheet
 from bozzetto.view import Camera
@@ -36,42 +36,71 @@ STEPS: Final = 12
 def drag_place(
     place: ArrayLike, pixel: ArrayLike, camera: Camera, free: ArrayLike = (True, True, True)
 ) -> Array:
-    """Return where a point goes that is dragged to a pixel.
+    """Return where a point (3,) goes that is dragged to a pixel (2,); see `drag_places`."""
+    one, goal, axes = np.asarray(place, float), np.asarray(pixel, float), np.asarray(free, bool)
+    return np.asarray(drag_places(one[None], goal[None], camera, axes[None])[0])
+
+
+def drag_places(places: ArrayLike, pixels: ArrayLike, camera: Camera, free: ArrayLike) -> Array:
+    """Return where points go that are dragged to pixels.
 
     Parameters
     ----------
-    place : (3,) array_like
-        Place of the point, mm, in front of the eye.
-    pixel : (2,) array_like
-        The goal on the sheet, px.
+    places : (n, 3) array_like
+        Places of the points, mm, in front of the eye.
+    pixels : (n, 2) array_like
+        Their goals on the sheet, px.
     camera : Camera
         The view.
-    free : (3,) array_like of bool
-        Coordinates that may change. If all, the point moves parallel to the image plane.
+    free : (n, 3) array_like of bool
+        Coordinates that may change. If all, a point moves parallel to the image plane.
 
     Returns
     -------
-    (3,) float
-        A place seen at the pixel, or as near to it as the fixed coordinates allow, mm.
+    (n, 3) float
+        Places seen at the pixels, or as near to them as the fixed coordinates allow, mm.
     """
-    start, axes = np.asarray(place, float), np.asarray(free, bool)
-    goal, matrix = np.asarray(pixel, float), camera_matrix(camera)
-    way = goal - places_of(matrix[:, :3] @ start + matrix[:, 3])
-    if axes.all():
-        level = slopes_at(matrix, start) @ camera.axes[:2].T  # diagonal: px/mm, right and upward
-        return np.asarray(start + (way / np.diag(level)) @ camera.axes[:2])
-    best, far = start, float(np.hypot(*way))
+    starts, goals = np.asarray(places, float), np.asarray(pixels, float)
+    axes, matrix = np.asarray(free, bool), camera_matrix(camera)
+    made = starts.copy()
+    whole = axes.all(axis=1)
+    if whole.any():
+        start = starts[whole]
+        way = goals[whole] - places_of(start @ matrix[:, :3].T + matrix[:, 3])
+        slopes = slopes_at(matrix, start)
+        right, up = camera.axes[:2]  # px/mm of a step to the right, and of one upward
+        along = way / np.stack((slopes[:, 0] @ right, slopes[:, 1] @ up), axis=1)
+        made[whole] = start + along @ camera.axes[:2]
+    if not whole.all():
+        made[~whole] = _within_axes(starts[~whole], goals[~whole], matrix, axes[~whole])
+    return made
+
+
+def _within_axes(starts: Array, goals: Array, matrix: Array, axes: Flags) -> Array:
+    """Return places (n, 3) that differ from others in some axes, seen as near to goals as can be.
+
+    Each search ends by itself, when a step brings it no nearer.
+    """
+    best = starts.copy()
+    way = goals - places_of(best @ matrix[:, :3].T + matrix[:, 3])
+    far = np.hypot(way[:, 0], way[:, 1])
+    going = np.arange(len(best))
     for _ in range(STEPS):
-        slopes = slopes_at(matrix, best)
-        left, sizes, ways = np.linalg.svd(np.where(axes, slopes, 0.0), full_matrices=False)
-        kept = sizes > UNSEEN * largest_scale(slopes)
-        step = ((left[:, kept].T @ way) / sizes[kept]) @ ways[kept]
-        tried = np.where(axes, best + step, start)
-        way = goal - places_of(matrix[:, :3] @ tried + matrix[:, 3])
-        distance = float(np.hypot(*way))
-        if not distance < far:
+        slopes, allowed = slopes_at(matrix, best[going]), axes[going]
+        left, sizes, ways = np.linalg.svd(
+            np.where(allowed[:, None], slopes, 0.0), full_matrices=False
+        )
+        seen = sizes > UNSEEN * largest_scale(slopes)[:, None]
+        along = (way[going, None] @ left)[:, 0]
+        along = np.divide(along, sizes, out=np.zeros_like(along), where=seen)
+        tried = np.where(allowed, best[going] + (along[:, None] @ ways)[:, 0], starts[going])
+        missed = goals[going] - places_of(tried @ matrix[:, :3].T + matrix[:, 3])
+        distance = np.hypot(missed[:, 0], missed[:, 1])
+        nearer = distance < far[going]
+        going = going[nearer]
+        if not len(going):
             break
-        best, far = tried, distance
+        best[going], way[going], far[going] = tried[nearer], missed[nearer], distance[nearer]
     return best
 
 

@@ -8,16 +8,16 @@ where they were seen through the old one, and only their depth is carried over.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains
-from bozzetto_car.body.drag import drag_place
+from bozzetto_car.body.drag import drag_places
 from bozzetto_car.body.edge_fit import edge_pictures, project_points
 from bozzetto_car.body.trace_edges import NEAR_END
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents
@@ -68,59 +68,102 @@ def carried(old: Network, start: Network, new: Network, traced: Iterable[OnPictu
         new.positions + (old.positions - start.positions),
         new.tangents + (old.tangents - start.tangents),
     )
-    traced = tuple(traced)
-    places = [_nodes(made, old, start, new, one) for one in traced if one.nodes_follow]
-    made = with_positions(made, {node: at for some in places for node, at in some})
-    handles = [_handles(made, old, one) for one in traced]
-    made = with_tangents(made, {end: at for some in handles for end, at in some})
-    held = {edge for one in traced for edge in one.edges}
+    views = _by_view(traced)
+    made = with_positions(made, _nodes(made, old, start, new, views))
+    made = with_tangents(made, _handles(made, old, views))
+    held = {edge for group in views for _, one in group for edge in one.edges}
     return smooth_chains(made, leading=held) if held else made
 
 
+def _by_view(traced: Iterable[OnPicture]) -> list[list[tuple[int, OnPicture]]]:
+    """Return what is traced through the same cameras together, each with its number in order."""
+    groups: dict[Hashable, list[tuple[int, OnPicture]]] = {}
+    for number, one in enumerate(traced):
+        groups.setdefault((one.before, one.now, one.shift), []).append((number, one))
+    return list(groups.values())
+
+
 def _nodes(
-    made: Network, old: Network, start: Network, new: Network, one: OnPicture
-) -> Iterator[tuple[int, Array]]:
-    """Yield the nodes that edits have moved with the places, mm, where they are on the picture.
+    made: Network,
+    old: Network,
+    start: Network,
+    new: Network,
+    views: list[list[tuple[int, OnPicture]]],
+) -> dict[int, Array]:
+    """Return the nodes that edits have moved with the places, mm, where they are on the pictures.
 
     As when the edit is repeated, a node that is far from the end of its stroke does not go there.
+    Of several strokes that end at a node the last one counts.
     """
-    edges = list(one.edges)
-    ends = np.unique(made.template.edges[edges])
-    nodes = ends[(old.positions[ends] != start.positions[ends]).any(axis=1)].tolist()
-    goals = project_points(one.before, old.positions[nodes]) + one.shift
-    without = project_points(one.now, new.positions[nodes])
-    lengths = _lengths(new, edges, one.now)
-    image = made.template.mirrored
-    for node, goal, own in zip(nodes, goals, without, strict=True):
-        beside = lengths[(made.template.edges[edges] == node).any(axis=1)]
-        if not np.linalg.norm(goal - own) <= NEAR_END * beside.min():
-            yield node, new.positions[node]
-        elif _are_seen(one, made.positions[[node]], goal):
-            free = np.array([True, bool(image[node] != node), True])
-            yield node, drag_place(made.positions[node], goal, one.now, free)
+    ends, image = made.template.edges, made.template.mirrored
+    moved = (old.positions != start.positions).any(axis=1)
+    found: list[tuple[int, int, Array]] = []
+    for group in views:
+        view = group[0][1]
+        on = [(number, edge) for number, one in group if one.nodes_follow for edge in one.edges]
+        if not on:
+            continue
+        number, edge = np.repeat(np.array(on, np.intp), 2, axis=0).T
+        both = np.stack((number, ends[edge[::2]].ravel()), axis=1)
+        lengths = np.repeat(_lengths(new, edge[::2], view.now), 2)
+        (number, node), which = _distinct_rows(both[moved[both[:, 1]]])
+        shortest = np.full(len(node), np.inf)
+        np.minimum.at(shortest, which, lengths[moved[both[:, 1]]])
+        goals = project_points(view.before, old.positions[node]) + view.shift
+        away = np.linalg.norm(goals - project_points(view.now, new.positions[node]), axis=1)
+        near = away <= NEAR_END * shortest
+        going = near & _are_seen(view, made.positions[node][:, None], goals[:, None])
+        free = np.ones((len(node), 3), bool)
+        free[:, 1] = image[node] != node
+        places = np.array(new.positions[node])
+        places[going] = drag_places(
+            made.positions[node[going]], goals[going], view.now, free[going]
+        )
+        rows = zip(number.tolist(), node.tolist(), places, strict=True)
+        found += [row for row, has_place in zip(rows, going | ~near, strict=True) if has_place]
+    return {node: place for _, node, place in sorted(found, key=lambda row: row[0])}
 
 
 def _handles(
-    made: Network, old: Network, one: OnPicture
-) -> Iterator[tuple[tuple[int, int], Array]]:
-    """Yield ends of edges with tangents, mm, whose handles are where they are on the picture."""
-    for edge in one.edges:
-        handles = made.control_points[edge, 1:3]
-        goals = project_points(one.before, old.control_points[edge, 1:3]) + one.shift
-        if not _are_seen(one, made.control_points[edge], goals):
-            continue
-        for end, sign in ((0, 1.0), (1, -1.0)):
-            place = drag_place(handles[end], goals[end], one.now, made.free_axes[edge, end])
-            yield (edge, end), sign * (place - made.ends[edge, end]) / HANDLE
+    made: Network, old: Network, views: list[list[tuple[int, OnPicture]]]
+) -> dict[tuple[int, int], Array]:
+    """Return ends of edges with tangents, mm, whose handles are where they are on the pictures."""
+    found: list[tuple[int, tuple[int, int], Array]] = []
+    for group in views:
+        view = group[0][1]
+        on = np.array([(number, edge) for number, one in group for edge in one.edges], np.intp)
+        edges = on[:, 1]
+        goals = project_points(view.before, old.control_points[edges, 1:3].reshape(-1, 3))
+        goals = goals.reshape(-1, 2, 2) + view.shift
+        seen = _are_seen(view, made.control_points[edges], goals)
+        on, edges, goals = on[seen], edges[seen], goals[seen]
+        places = drag_places(
+            made.control_points[edges, 1:3].reshape(-1, 3),
+            goals.reshape(-1, 2),
+            view.now,
+            made.free_axes[edges].reshape(-1, 3),
+        ).reshape(-1, 2, 3)
+        tangents = (places - made.ends[edges]) / HANDLE * ((1.0,), (-1.0,))
+        for (number, edge), (first, last) in zip(on.tolist(), tangents, strict=True):
+            found += [(number, (edge, 0), first), (number, (edge, 1), last)]
+    return {end: tangent for _, end, tangent in sorted(found, key=lambda row: row[0])}
 
 
-def _lengths(network: Network, edges: list[int], camera: Camera) -> Array:
+def _lengths(network: Network, edges: Index, camera: Camera) -> Array:
     """Return the lengths of the pictures of edges, px; not finite where one is not all seen."""
     pictures = edge_pictures(camera, network.control_points[edges], PIECES)
-    steps = np.linalg.norm(np.diff(pictures, axis=1), axis=2)
+    with np.errstate(invalid="ignore"):  # between two places that are not seen
+        steps = np.linalg.norm(np.diff(pictures, axis=1), axis=2)
     return np.asarray(steps.sum(axis=1))
 
 
-def _are_seen(one: OnPicture, points: Array, goals: Array) -> bool:
-    """Whether points are before the eye, and their goals were."""
-    return bool(np.isfinite(project_points(one.now, points)).all() and np.isfinite(goals).all())
+def _are_seen(view: OnPicture, points: Array, goals: Array) -> Flags:
+    """Whether all points (k, n, 3) are before the eye, and their goals (k, m, 2) were, (k,)."""
+    places = project_points(view.now, points.reshape(-1, 3)).reshape(len(points), -1)
+    return np.asarray(np.isfinite(places).all(axis=1) & np.isfinite(goals).all(axis=(1, 2)))
+
+
+def _distinct_rows(rows: Index) -> tuple[Index, Index]:
+    """Return the columns (2, k) of the distinct rows (n, 2), and which of them each is, (n,)."""
+    distinct, which = np.unique(rows, axis=0, return_inverse=True)
+    return np.asarray(distinct.T), np.asarray(which.ravel())

@@ -48,6 +48,9 @@ ROUNDS: Final = 40
 """Most rounds of straightening: an edge that is straightened may bend its neighbour twice. Three to
 eight are usual."""
 
+SUNK: Final = 80.0
+"""How far below a neighbour the highest node of a line counts as its crest in part, mm."""
+
 BEYOND: Final = 1.5
 """What is taken from an edge that bends twice, relative to what would just do. Where two such edges
 share a joint, neither gets all that it wants, and with 1 they would come to it in ever shorter
@@ -316,7 +319,8 @@ def crested(network: Network) -> Network:
     Tangents turn up or down and keep their lengths: at the crest until they are level, at the far
     ends of both edges until these rise to the crest, neither over it nor with a bend to both sides.
     An edge beyond that bends twice then is straightened at its other end. A node that has moved
-    below one of its neighbours is no crest any more, and its line stays.
+    below one of its neighbours is a crest in part, and by `SUNK` none any more: its line stays
+    then. So no line leaps while the node is dragged down.
 
     Parameters
     ----------
@@ -327,9 +331,11 @@ def crested(network: Network) -> Network:
         end: joint for joint in junctions(network.template) for end in (joint.before, joint.after)
     }
     held: set[tuple[int, int]] = set()
+    turned = False
     for joint in crests(network.template):
         heights = network.positions[[joint.node, *joint.neighbours], 2]
-        if heights[0] <= heights[1:].max():
+        share = min(1.0 + float(heights[0] - heights[1:].max()) / SUNK, 1.0)
+        if share <= 0.0:
             continue
         for end, foot in zip((joint.before, joint.after), joint.neighbours, strict=True):
             changed = {end: _sloped(network.tangents[end], 0.0)}
@@ -345,9 +351,23 @@ def crested(network: Network) -> Network:
             for other, sense in together.items():
                 length = float(np.linalg.norm(network.tangents[other]))
                 changed[other] = up * together[far] * sense * length * wanted
+            if share < 1.0:
+                changed = {
+                    own: _turned_in_part(network.tangents[own], to, share)
+                    for own, to in changed.items()
+                }
             network = with_tangents(network, changed)
-            held |= {end, *together}
-    return straightened(network, held) if held else network
+            turned = True
+            if share == 1.0:
+                held |= {end, *together}
+    return straightened(network, held) if turned else network
+
+
+def _turned_in_part(own: Array, to: Array, share: float) -> Array:
+    """Return a vector as long as another of the same length, turned to it by a share of the way."""
+    way = (1.0 - share) * own + share * to
+    length = float(np.linalg.norm(way))
+    return np.asarray(way * (float(np.linalg.norm(own)) / length)) if length > 0.0 else own
 
 
 def _up_to_crest(own: Array, way: Array, level: Array) -> Array:

@@ -147,7 +147,7 @@ def _is_seen(network: Network, edge: int, camera: Camera) -> bool:
     """Whether an edge is long enough in the view for its picture to tell its shape."""
     matrix, points = camera_matrix(camera), network.control_points[edge]
     curve = IN_PIECES @ points
-    scale = largest_scale(slopes_at(matrix, curve[PIECES // 2]))
+    scale = float(largest_scale(slopes_at(matrix, curve[PIECES // 2])))
     length = float(arc_length(Pictured.of(matrix, points).laid_out(PIECES))[-1])
     return length >= UNSEEN * scale * float(arc_length(curve)[-1])
 

@@ -74,6 +74,11 @@ MET: Final = 0.1
 OVER_EDGE: Final = 1e-3
 """How far beyond its border a patch counts, in u and v, so that there is no slit between two."""
 
+OVER_HULL: Final = 0.05
+"""How far a patch may reach beyond its control points there, as a share of their box: more than
+six times `OVER_EDGE` on each axis, for the weights of control points are within −3 and 1 + 3
+times it."""
+
 
 def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
     """Return the meshes of the right and the left wheels with the gaps below their arches.
@@ -86,8 +91,8 @@ def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
         The patches of the body, mm.
     """
     pieces: list[Piece] = []
-    for centre, radius in _wheels(network):
-        face, band = _beside(nets, centre, radius)
+    wheels = _wheels(network)
+    for (centre, radius), (face, band) in zip(wheels, _beside(nets, wheels), strict=True):
         vertices, normals, faces, colors = _unit_wheel()
         placed = vertices * radius + (centre[0], face, centre[2])
         pieces += [(placed, normals, faces, colors), *_gap(band)]
@@ -99,9 +104,10 @@ def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
 
 def wheel_places(network: Network, nets: Array) -> list[tuple[Array, float, float]]:
     """Return centre, radius and the reach of the panel beside it, mm, of the right wheels."""
+    wheels = _wheels(network)
     return [
-        (centre, radius, _beside(nets, centre, radius)[0] - DEEPEST * radius - LAID)
-        for centre, radius in _wheels(network)
+        (centre, radius, face - DEEPEST * radius - LAID)
+        for (centre, radius), (face, _) in zip(wheels, _beside(nets, wheels), strict=True)
     ]
 
 
@@ -114,43 +120,57 @@ def _wheels(network: Network) -> list[tuple[Array, float]]:
 # -- the body beside a wheel -----------------------------------------------------------------------
 
 
-def _beside(nets: Array, centre: Array, radius: float) -> tuple[float, Array]:
-    """Return the y of the outer face of a wheel, mm, and the circles (c, n, 3) of the gap.
+def _beside(nets: Array, wheels: list[tuple[Array, float]]) -> list[tuple[float, Array]]:
+    """Return the y of the outer face of each wheel, mm, and the circles (c, n, 3) of its gap.
 
     Places on the circles where there is no panel are NaN.
     """
+    if not wheels:
+        return []
+    centres = np.array([centre for centre, _ in wheels])
+    radii = np.array([radius for _, radius in wheels])
     ring = np.linspace(0.0, 2.0 * np.pi, STEPS, endpoint=False) - 0.5 * np.pi
-    circles = radius * np.array((*FELT, *GAP))[:, None]
-    x, z = centre[0] + circles * np.cos(ring), centre[2] + circles * np.sin(ring)
+    circles = radii[:, None, None] * np.array((*FELT, *GAP))[:, None]
+    x = centres[:, 0, None, None] + circles * np.cos(ring)
+    z = centres[:, 2, None, None] + circles * np.sin(ring)
     y = _panel(nets, np.stack((x.ravel(), z.ravel()), axis=1)).reshape(x.shape) + LAID
-    felt = y[:-1]
-    face = float(np.max(felt[np.isfinite(felt)], initial=float(centre[1])))
-    return face + DEEPEST * radius, np.stack((x, y, z), axis=-1)[len(FELT) :]
+    places, found = np.stack((x, y, z), axis=-1), []
+    for (centre, radius), felt, own in zip(wheels, y[:, :-1], places, strict=True):
+        face = float(np.max(felt[np.isfinite(felt)], initial=float(centre[1])))
+        found.append((face + DEEPEST * radius, own[len(FELT) :]))
+    return found
 
 
 def _panel(nets: Array, places: Array) -> Array:
     """Return how far right the body reaches at places (n, 2), x and z; NaN where it does not."""
     flat = nets[..., [0, 2]].reshape(len(nets), -1, 2)
-    near = (flat.min(axis=1) <= places.max(axis=0)) & (flat.max(axis=1) >= places.min(axis=0))
-    own = nets[near.all(axis=1) & (nets[..., 1].max(axis=(1, 2)) > 0.0)]
+    low, high = flat.min(axis=1), flat.max(axis=1)
+    more = MET + OVER_HULL * (high - low)
+    inside = (places >= (low - more)[:, None]) & (places <= (high + more)[:, None])
+    # No patch is seen at a place outside the box of its control points.
+    near = inside.all(axis=2) & (nets[..., 1].max(axis=(1, 2)) > 0.0)[:, None]
+    kept = np.flatnonzero(near.any(axis=1))
+    own, flat = nets[kept], flat[kept]
     at = np.linspace(0.0, 1.0, GUESSES)
     laid = grid(own, at, at)[..., [0, 2]].reshape(len(own), GUESSES**2, 2)
+    patch, place = np.nonzero(near[kept])
     # Squared distances, without the term that is equal for all places of the patches.
     away = (laid**2).sum(axis=2)[:, None] - 2.0 * places @ laid.transpose(0, 2, 1)
-    first = away.argmin(axis=2)
+    first = away.argmin(axis=2)[patch, place]
     u, v = at[first // GUESSES], at[first % GUESSES]
+    patches, goals = own.reshape(-1, 4, 12)[patch], places[place]
     for _ in range(REFINED):
-        met, by_u, by_v = _seen_from_side(own, u, v)
-        way = np.moveaxis(places - met[..., [0, 2]], -1, 0)
-        area = by_u[..., 0] * by_v[..., 1] - by_u[..., 1] * by_v[..., 0]
+        met, by_u, by_v = _seen_from_side(patches, u, v)
+        way = goals - met[:, ::2]
+        area = by_u[:, 0] * by_v[:, 1] - by_u[:, 1] * by_v[:, 0]
         area = np.where(np.abs(area) > 1.0, area, np.inf)
-        u = u + (way[0] * by_v[..., 1] - way[1] * by_v[..., 0]) / area
-        v = v + (by_u[..., 0] * way[1] - by_u[..., 1] * way[0]) / area
+        u = u + (way[:, 0] * by_v[:, 1] - way[:, 1] * by_v[:, 0]) / area
+        v = v + (by_u[:, 0] * way[:, 1] - by_u[:, 1] * way[:, 0]) / area
         u, v = (np.clip(at, -OVER_EDGE, 1.0 + OVER_EDGE) for at in (u, v))
-    met, _, _ = _seen_from_side(own, u, v)
-    good = np.linalg.norm(met[..., [0, 2]] - places, axis=2) <= MET
-    reach = np.where(good, met[..., 1], -np.inf)
-    highest = reach.max(axis=0, initial=-np.inf)
+    met, _, _ = _seen_from_side(patches, u, v)
+    good = np.linalg.norm(met[:, ::2] - goals, axis=1) <= MET
+    highest = np.full(len(places), -np.inf)
+    np.maximum.at(highest, place[good], met[good, 1])
     return np.where(np.isfinite(highest), highest, np.nan)
 
 
@@ -159,30 +179,22 @@ def _seen_from_side(nets: Array, u: Array, v: Array) -> tuple[Array, Array, Arra
 
     Parameters
     ----------
-    nets : (p, 4, 4, 3) float
-        Control points, mm.
-    u, v : (p, n) float
-        Parameters of n places on each of them.
+    nets : (n, 4, 12) float
+        Control points of a patch for each place, mm: along u, and those along v in a row.
+    u, v : (n,) float
+        The parameters of the places.
 
     Returns
     -------
-    place : (p, n, 3) float
-    by_u, by_v : (p, n, 2) float
+    place : (n, 3) float
+    by_u, by_v : (n, 2) float
     """
-    count = u.shape[1]
-    along = np.concatenate((bernstein(u), bernstein(u, 1)), axis=1)
-    lines = (along @ nets.reshape(-1, 4, 12)).reshape(len(nets), 2 * count, 4, 3)
-    here, ahead = lines[:, :count], lines[:, count:, :, ::2]
-    across, slope = bernstein(v), bernstein(v, 1)
-    return _blended(across, here), _blended(across, ahead), _blended(slope, here[..., ::2])
-
-
-def _blended(weights: Array, lines: Array) -> Array:
-    """Return the sums over k of weights (p, n, k) times control points (p, n, k, d), (p, n, d)."""
-    found = weights[..., 0, None] * lines[:, :, 0]
-    for k in range(1, weights.shape[-1]):
-        found += weights[..., k, None] * lines[:, :, k]
-    return np.asarray(found)
+    both_ways = np.concatenate((u, v))
+    weights = np.stack((bernstein(both_ways), bernstein(both_ways, 1)), axis=1)
+    along, across = weights[: len(u)] @ nets, weights[len(u) :]
+    here, ahead = along.reshape(-1, 2, 4, 3).transpose(1, 0, 2, 3)
+    both = across @ here
+    return both[:, 0], (across[:, :1] @ ahead)[:, 0, ::2], both[:, 1, ::2]
 
 
 def _gap(band: Array) -> list[Piece]:

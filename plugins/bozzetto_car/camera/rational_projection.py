@@ -6,7 +6,6 @@ places and derivatives there cost a few products, however often a search asks fo
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -60,23 +59,25 @@ def places_of(seen: Array) -> Array:
     return places
 
 
-def slopes_at(matrix: Array, point: Array) -> Array:
-    """Return the derivative (2, 3), px/mm, of the picture of a point (3,) before the eye."""
-    u, v, w = matrix[:, :3] @ point + matrix[:, 3]
-    w = max(float(w), AT_EYE)
-    return np.asarray((matrix[:2, :3] - np.outer((u / w, v / w), matrix[2, :3])) / w)
+def slopes_at(matrix: Array, points: Array) -> Array:
+    """Return the derivatives (…, 2, 3), px/mm, of the pictures of points (…, 3) before the eye."""
+    seen = points @ matrix[:, :3].T + matrix[:, 3]
+    w = np.maximum(seen[..., 2], AT_EYE)[..., None, None]
+    return np.asarray((matrix[:2, :3] - seen[..., :2, None] / w * matrix[2, :3]) / w)
 
 
-def largest_scale(slopes: Array) -> float:
-    """Return the greatest length, px, of the picture of a step of a millimetre.
+def largest_scale(slopes: Array) -> Array:
+    """Return the greatest lengths (…,), px, of the pictures of a step of a millimetre.
 
     Parameters
     ----------
-    slopes : (2, 3) float
-        As `slopes_at` gives them; this is their greatest singular value.
+    slopes : (…, 2, 3) float
+        As `slopes_at` gives them; these are their greatest singular values.
     """
-    (a, b), (_, c) = (slopes @ slopes.T).tolist()
-    return math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))
+    across, down = slopes[..., 0, :], slopes[..., 1, :]
+    a, c = (across**2).sum(axis=-1), (down**2).sum(axis=-1)
+    b = (across * down).sum(axis=-1)
+    return np.asarray(np.sqrt(0.5 * (a + c) + np.hypot(0.5 * (a - c), b)))
 
 
 @lru_cache(REMEMBERED)

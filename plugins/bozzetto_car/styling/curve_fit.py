@@ -8,17 +8,18 @@ its knots; between them it is within a tolerance.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, Index
 from bozzetto.geometry import DEGREE, Curve, Spline
 from bozzetto.geometry.patches import Places, points_at
 from bozzetto.ink import arc_length
 from bozzetto_car.state import StylingCurve
+from bozzetto_car.styling.cubic_splines import not_a_knot_splines
 from bozzetto_car.styling.curve import curve_paths
 from bozzetto_car.styling.surface_path import SAME, is_closed, join_paths
 from bozzetto_car.template.model import MIRROR, Template
@@ -62,7 +63,7 @@ class Course:
     along: Array
     path: Places
     borders: Array
-    _runs: tuple[tuple[int, Callable[[Array], Array]], ...]
+    _pieces: _Pieces
 
     @property
     def length(self) -> float:
@@ -71,13 +72,36 @@ class Course:
 
     def places(self, along: Array) -> Places:
         """Return the places on the body at lengths (m,), mm, that do not decrease."""
-        number = np.searchsorted(self.borders[1:-1], along, "right")
-        made = []
-        for run in np.unique(number).tolist():
-            patch, spline = self._runs[run]
-            at = np.clip(spline(along[number == run]), 0.0, 1.0)
-            made.append(Places(np.full(len(at), patch), at))
-        return join_paths(made)
+        return self._pieces.places(along)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """Cubic pieces of a line in u and v, one after the other.
+
+    Attributes
+    ----------
+    begins : (m,) float
+        Length at which each piece begins to count, mm.
+    knots : (m,) float
+        Length from which its powers count, mm: the same, but for pieces whose first place was
+        left out.
+    patches : (m,) int
+    coefficients : (4, m, 2) float
+        Of the powers 3, 2, 1 and 0.
+    """
+
+    begins: Array
+    knots: Array
+    patches: Index
+    coefficients: Array
+
+    def places(self, along: Array) -> Places:
+        which = np.maximum(np.searchsorted(self.begins, along, "right") - 1, 0)
+        step = (along - self.knots[which])[:, None]
+        third, second, first, zeroth = self.coefficients[:, which]
+        at = ((third * step + second) * step + first) * step + zeroth
+        return Places(self.patches[which], np.clip(at, 0.0, 1.0))
 
 
 def courses_on(curve: StylingCurve, nets: Array, template: Template) -> list[Course]:
@@ -92,24 +116,53 @@ def courses_on(curve: StylingCurve, nets: Array, template: Template) -> list[Cou
     template : Template
         The template of the body.
     """
-    found = (_course(nets, path) for path in curve_paths(curve, nets, template))
-    return [course for course in found if course is not None]
+    return courses_of((curve,), nets, template)[0]
 
 
-def _course(nets: Array, path: Places) -> Course | None:
-    """Return the smooth course along a path; None where it has no length."""
-    from scipy.interpolate import CubicSpline
+def courses_of(
+    curves: Sequence[StylingCurve], nets: Array, template: Template
+) -> list[list[Course]]:
+    """Return the courses of several styling curves; see `courses_on`.
 
-    along = arc_length(points_at(nets, path))
-    cuts = [0, *(np.flatnonzero(np.diff(path.patches)) + 1).tolist(), len(path)]
-    runs, borders = [], [0.0]
-    for first, last in itertools.pairwise(cuts):
-        kept = first + np.flatnonzero(np.append(np.diff(along[first:last]) > SAME, True))
-        if len(kept) > 1:
-            spline = CubicSpline(along[kept], path.parameters[kept])
-            runs.append((int(path.patches[first]), spline))
-            borders.append(float(along[last - 1]))
-    return Course(along, path, np.array(borders), tuple(runs)) if runs else None
+    The splines of all of them are found at once: while a body is dragged, numpy's time goes into
+    the calls.
+    """
+    paths = [(owner, path) for owner, curve in enumerate(curves)
+             for path in curve_paths(curve, nets, template)]  # fmt: skip
+    if not paths:
+        return [[] for _ in curves]
+    ends = np.cumsum([len(path) for _, path in paths])
+    points = np.split(points_at(nets, join_paths([path for _, path in paths])), ends[:-1])
+    drafts: list[tuple[int, Places, Array, Array, list[int]]] = []
+    runs: list[tuple[Array, Array]] = []
+    patches: list[int] = []
+    for (owner, path), own in zip(paths, points, strict=True):
+        along = arc_length(own)
+        cuts = [0, *(np.flatnonzero(np.diff(path.patches)) + 1).tolist(), len(path)]
+        numbers, borders = [], [0.0]
+        for first, last in itertools.pairwise(cuts):
+            kept = first + np.flatnonzero(np.append(np.diff(along[first:last]) > SAME, True))
+            if len(kept) > 1:
+                numbers.append(len(runs))
+                runs.append((along[kept], path.parameters[kept]))
+                patches.append(int(path.patches[first]))
+                borders.append(float(along[last - 1]))
+        if numbers:
+            drafts.append((owner, path, along, np.array(borders), numbers))
+    splines = not_a_knot_splines(runs)
+    courses: list[list[Course]] = [[] for _ in curves]
+    for owner, path, along, limits, numbers in drafts:
+        begins = [runs[number][0][:-1].copy() for number in numbers]
+        for own, border in zip(begins, limits[:-1], strict=True):
+            own[0] = border
+        pieces = _Pieces(
+            np.concatenate(begins),
+            np.concatenate([runs[number][0][:-1] for number in numbers]),
+            np.repeat([patches[number] for number in numbers], [len(own) for own in begins]),
+            np.concatenate([splines[number] for number in numbers], axis=1),
+        )
+        courses[owner].append(Course(along, path, limits, pieces))
+    return courses
 
 
 def spline_of(nets: Array, course: Course) -> Spline:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.geometry.patches import points_at
+from bozzetto.geometry.patches import Places, points_at
 from bozzetto.plugin import remembered
 from bozzetto.scene import Item, Lines, Paint
 from bozzetto_car.body.build import Body
 from bozzetto_car.state import CarState, StylingCurve
-from bozzetto_car.styling.curve_fit import courses_on
+from bozzetto_car.styling.curve_fit import Course, courses_of
+from bozzetto_car.styling.surface_path import join_paths
 from bozzetto_car.template.model import MIRROR
 
 WIDTH: Final = 2.0
@@ -74,14 +76,18 @@ def _line(points: Array, starts: Index, paint: Paint, width: float) -> Lines:
 
 @remembered(limit=REMEMBERED)
 def _all_laid_out(curves: tuple[StylingCurve, ...], body: Body) -> tuple[tuple[Array, ...], ...]:
-    return tuple(_laid_out(own, body) for own in curves)
+    """Return the parts of curves on a body as polylines."""
+    courses = courses_of(curves, body.nets, body.template)
+    places = [_sampled(course) for own in courses for course in own]
+    if not places:
+        return tuple(() for _ in curves)
+    ends = np.cumsum([len(own) for own in places])
+    lines = iter(np.split(points_at(body.nets, join_paths(places)), ends[:-1]))
+    return tuple(tuple(itertools.islice(lines, len(own))) for own in courses)
 
 
-def _laid_out(curve: StylingCurve, body: Body) -> tuple[Array, ...]:
-    """Return the parts of a curve on a body as polylines."""
-    lines = []
-    for course in courses_on(curve, body.nets, body.template):
-        count = max(2, round(course.length / SPACING))
-        along = np.union1d(np.linspace(0.0, course.length, count), course.borders)
-        lines.append(points_at(body.nets, course.places(along)))
-    return tuple(lines)
+def _sampled(course: Course) -> Places:
+    """Return the places of the polyline that is shown of a line on the body."""
+    count = max(2, round(course.length / SPACING))
+    along = np.union1d(np.linspace(0.0, course.length, count), course.borders)
+    return course.places(along)

@@ -17,6 +17,7 @@ from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import Source, certainty
 from bozzetto_car.state import CarState
+from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import junctions
 from bozzetto_car.view.surface_colors import SOURCE_COLORS
 
@@ -92,6 +93,15 @@ def edge_items(state: CarState, body: Body, held: Collection[int] = ()) -> Itera
         yield network_lines(points, color, EDGE_WIDTH, 0.75)
     if held:
         yield network_lines(points[list(held)], "accent", HELD_WIDTH, hidden="show")
+
+
+@remembered(
+    limit=REMEMBERED,
+    key=lambda state, body: (body, state.creases, state.network, state.shading == "draft"),
+)
+def network_layer(state: CarState, body: Body) -> Layer:
+    """Return the layer of the edges; the same one as long as it looks the same."""
+    return Layer("network", tuple(edge_items(state, body)))
 
 
 def crease_labels(body: Body, camera: Camera) -> Iterator[Label]:
@@ -179,33 +189,38 @@ def handle_layer(state: CarState, body: Body, camera: Camera | None = None) -> L
     camera : Camera, optional
         The view; nodes on a side that it does not see have no handle.
     """
-    template, network = body.template, body.network
+    template = body.template
     shown = np.ones(len(template.names), bool)
     if camera is not None:
-        shown = np.asarray(facing(template, network.positions, camera))
-    sources = sources_of(body)
+        shown = np.asarray(facing(template, body.network.positions, camera))
+    return _handle_layer(body, state.revealed, tuple(np.flatnonzero(shown).tolist()))
+
+
+@remembered(limit=REMEMBERED)
+def _handle_layer(body: Body, revealed: str, nodes: tuple[int, ...]) -> Layer:
+    """Return the layer of the handles of some nodes, and of the tangents that are revealed."""
+    template, network, sources = body.template, body.network, sources_of(body)
     items: list[Item] = []
-    for edge, end in revealed_ends(state, body):
+    for edge, end in revealed_ends(revealed, template):
         pair = network.control_points[edge, [3 * end, 1 + end]]
         items.append(Lines(pair.astype(np.float32), color="second", width=1.4, hidden="show"))
         name = template.edge_names[edge]
         items.append(Handle(f"{TANGENT}{name} {end}", triple(pair[1]), color="second", tip=name))
-    for node in np.flatnonzero(shown).tolist():
+    for node in nodes:
         name = template.names[node]
-        color: Paint = "accent" if name == state.revealed else SOURCE_COLORS[sources[node]]
+        color: Paint = "accent" if name == revealed else SOURCE_COLORS[sources[node]]
         tip = template.titles.get(name, name)
         items.append(Handle(f"{NODE}{name}", triple(network.positions[node]), color=color, tip=tip))
     return Layer("handles", tuple(items), tool=SHAPE_TOOL)
 
 
-def revealed_ends(state: CarState, body: Body) -> list[tuple[int, int]]:
-    """Return the ends of edges (edge, 0 or 1) whose tangents are revealed."""
-    template = body.template
-    if state.revealed in template.node:
-        node = template.node[state.revealed]
+def revealed_ends(revealed: str, template: Template) -> list[tuple[int, int]]:
+    """Return the ends of edges (edge, 0 or 1) whose tangents a node or an edge reveals."""
+    if revealed in template.node:
+        node = template.node[revealed]
         found = np.argwhere(template.edges == node).tolist()
         return [(edge, end) for edge, end in found]
-    if state.revealed in template.edge_names:
-        edge = template.edge_names.index(state.revealed)
+    if revealed in template.edge_names:
+        edge = template.edge_names.index(revealed)
         return [(edge, 0), (edge, 1)]
     return []

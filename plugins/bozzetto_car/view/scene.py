@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches import shaded
 from bozzetto.plugin import remembered
 from bozzetto.scene import Image, Item, Layer, Lines, Scene, Shaded
@@ -21,8 +22,8 @@ from bozzetto_car.styling.scene import chosen_styling, styling_items
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.view.edge_items import (
     crease_labels,
-    edge_items,
     handle_layer,
+    network_layer,
     network_lines,
     node_items,
     sources_of,
@@ -68,12 +69,15 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
 def body_layers(state: CarState, body: Body, camera: Camera | None = None) -> list[Layer]:
     """Return the layers of surfaces, wheels, edges, nodes and handles; see `handle_layer`."""
     return [
-        _body_layer(state, body),
-        _wheel_layer(state, body),
-        Layer("network", tuple(edge_items(state, body))),
+        *look_layers(state, body),
         Layer("nodes", tuple(node_items(state, body))),
         handle_layer(state, body, camera),
     ]
+
+
+def look_layers(state: CarState, body: Body) -> list[Layer]:
+    """Return the layers of surfaces, wheels and edges, which look different over a drawing."""
+    return [_body_layer(state, body), _wheel_layer(state, body), network_layer(state, body)]
 
 
 def view_dependent_scene(state: CarState, body: Body, camera: Camera) -> Scene:
@@ -111,7 +115,7 @@ def _body_layer(state: CarState, body: Body) -> Layer:
 def _skin(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
     if not state.body:
         return
-    mesh = shaded(body.patchwork, DIVISIONS)
+    mesh = _shaded(body)
     if state.shading == "curvature":
         mesh = replace(mesh, colors=curvature_colors(body.nets, DIVISIONS))
     elif state.shading == "certainty":
@@ -123,6 +127,12 @@ def _skin(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
     )
     if state.complete and state.shading == "shaded":
         yield from _trim(state, body)
+
+
+@remembered(limit=REMEMBERED)
+def _shaded(body: Body) -> Mesh:
+    """Return the mesh of the surfaces, which is the same over a drawing and beside it."""
+    return shaded(body.patchwork, DIVISIONS)
 
 
 def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, ViewAdvice
@@ -21,10 +20,7 @@ from bozzetto_car.marking.mark_mesh import asked_on_mesh
 from bozzetto_car.marking.next_mark import in_work, problem_of
 from bozzetto_car.solver.initial_cameras import Placed
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.view.scene import body_layers, view_dependent_scene
-
-DRAFTED: Final = ("body", "wheels", "network")
-"""Layers that look different over a drawing or a mesh, so that it is visible."""
+from bozzetto_car.view.scene import look_layers, view_dependent_scene
 
 
 def cars_seen(context: Context) -> tuple[CarState, ...]:
@@ -151,8 +147,7 @@ def _draft(state: CarState, body: Body, placed: Placed) -> Scene:
 
 def _thin(state: CarState, body: Body) -> Scene:
     """Return the body so thin that what it is shaped by shows through."""
-    thin = replace(state, shading="draft")
-    return Scene(tuple(layer for layer in body_layers(thin, body) if layer.name in DRAFTED))
+    return Scene(tuple(look_layers(replace(state, shading="draft"), body)))
 
 
 def _sees_another(state: CarState, body: Body, camera: Camera) -> bool:

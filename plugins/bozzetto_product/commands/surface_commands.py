@@ -13,7 +13,7 @@ from bozzetto.plugin import Command, Context
 from bozzetto_product.model.curves import Curve, EdgeKind
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.solve.found_patches import confirmed, with_patches_found, without_patch
+from bozzetto_product.solve.found_patches import confirmed, with_patches_found, without_patches
 
 SURFACE: Final = "Surface"
 EDGE: Final = "Edge"
@@ -103,7 +103,7 @@ def _without_surface(state: ProductState, context: Context) -> ProductState:
     patch = state.chosen_of(Patch)
     if patch is None:
         raise UserError("No surface is chosen. Choose one in the list.")
-    return without_patch(state, patch)
+    return without_patches(state, [patch])
 
 
 def _is_pulled(state: ProductState) -> bool:

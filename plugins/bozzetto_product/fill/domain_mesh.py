@@ -48,7 +48,7 @@ def mesh_over(domain: Domain, ring: Array) -> DomainMesh:
         Places of the boundary vertices, counter-clockwise.
     """
     spacing = float(np.linalg.norm(ring - np.roll(ring, -1, axis=0), axis=1).mean())
-    made = even_triangles(ring, spacing, domain.centre, lambda places: _inside(domain, places))
+    made = even_triangles((ring,), spacing, domain.centre, lambda places: _inside(domain, places))
     if made is not None:
         inside, triangles = made
         return DomainMesh(*parameters_of(domain, inside), triangles)

@@ -75,6 +75,11 @@ class Fill(ABC):
     def bent(self) -> PatchFill | None:
         """The same surface as patches, which can be bent; None where these would fold."""
 
+    @property
+    def has_holes(self) -> bool:
+        """Whether it has more outlines than one."""
+        return False
+
     @abstractmethod
     def places_beside(self, half: HalfSide, number: int, at: Array) -> tuple[Array, Array]:
         """Return places of the surface beside half a side, and unit normals there, (n, 3) each.

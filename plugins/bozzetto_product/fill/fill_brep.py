@@ -32,30 +32,33 @@ def brep_of(
     return Brep((*edges, *spokes), tuple(faces), name)
 
 
-def plane_brep_of(sides: Sequence[Side], plane: BSplineSurface, name: str) -> Brep:
-    """Return a plane as one face within the edges of a loop.
+def plane_brep_of(outlines: Sequence[Sequence[Side]], plane: BSplineSurface, name: str) -> Brep:
+    """Return a plane as one face within the edges of a loop, and outside of those of its holes.
 
     The trims are the edges' own control points, in u and v: exact, for a plane is affine.
 
     Parameters
     ----------
-    sides : sequence of Side
-        Counter-clockwise in u and v.
+    outlines : sequence of sequence of Side
+        Counter-clockwise in u and v, those of holes clockwise.
     plane : BSplineSurface
         A rectangle.
     name : str
         What the shape is called.
     """
-    edges, numbers = _edges_of(sides)
-    trims = []
-    for side in sides:
-        first, second = side.halves
-        for piece in (*first.pieces, *reversed(second.pieces)):
-            curve = piece.piece.curve
-            flat = plane_parameters(plane, curve.control_points)
-            path = ParameterCurve(curve.degree, curve.knots, flat)
-            trims.append(Trim(numbers[id(piece.piece)], piece.forward, path))
-    return Brep(tuple(edges), (Face(plane, (tuple(trims),)),), name)
+    edges, numbers = _edges_of([side for sides in outlines for side in sides])
+    loops = []
+    for sides in outlines:
+        trims = []
+        for side in sides:
+            first, second = side.halves
+            for piece in (*first.pieces, *reversed(second.pieces)):
+                curve = piece.piece.curve
+                flat = plane_parameters(plane, curve.control_points)
+                path = ParameterCurve(curve.degree, curve.knots, flat)
+                trims.append(Trim(numbers[id(piece.piece)], piece.forward, path))
+        loops.append(tuple(trims))
+    return Brep(tuple(edges), (Face(plane, tuple(loops)),), name)
 
 
 def plane_parameters(plane: BSplineSurface, points: Array) -> Array:

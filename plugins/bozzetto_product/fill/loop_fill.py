@@ -50,19 +50,45 @@ def fill_loop(
     UserError
         If a side of the loop has no length, or no surface goes through its sides.
     """
-    lengths = [half.length for side in sides for half in side.halves]
-    if not min(lengths) > SHORTEST * max(lengths):
-        raise UserError("A curve of a loop has no length. Draw it longer, or delete it.")
+    _check_lengths(sides)
     frame = LoopSides.of(sides)
     step = frame.size / SEGMENTS if spacing is None else spacing
     loop = loop or tuple((number, True) for number in range(len(sides)))
     key = key_of(frame, step)
-    plane = plane_fill(frame, loop, step, key)
+    plane = plane_fill((sides,), loop, step, key)
     if plane is None:
         return patch_fill(frame, loop, step, key)
     if np.nanmax([0.0, *plane.g1_degrees]) > PLANE_DEGREES and plane.bent is not None:
         return plane.bent
     return plane
+
+
+def fill_with_holes(
+    outlines: Sequence[Sequence[Side]], *, loop: Loop, spacing: float
+) -> Fill | None:
+    """Fill a loop with holes by its plane; None where it lies in none.
+
+    Parameters
+    ----------
+    outlines : sequence of sequence of Side
+        Of the outline, and of each hole.
+    loop, spacing
+        See `fill_loop`.
+
+    Raises
+    ------
+    UserError
+        If a side has no length.
+    """
+    sides = [side for each in outlines for side in each]
+    _check_lengths(sides)
+    return plane_fill(outlines, loop, spacing, key_of(LoopSides.of(sides), spacing))
+
+
+def _check_lengths(sides: Sequence[Side]) -> None:
+    lengths = [half.length for side in sides for half in side.halves]
+    if not min(lengths) > SHORTEST * max(lengths):
+        raise UserError("A curve of a loop has no length. Draw it longer, or delete it.")
 
 
 def key_of(frame: LoopSides, spacing: float) -> bytes:

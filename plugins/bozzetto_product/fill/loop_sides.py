@@ -77,6 +77,7 @@ def sides_of_loop(
     loop: Loop,
     normals: LoopNormals,
     pieces_of_edges: Sequence[Sequence[EdgePiece]] | Mapping[int, Sequence[EdgePiece]],
+    first: int = 0,
 ) -> tuple[Side, ...]:
     """Return the sides of a loop's domain.
 
@@ -88,6 +89,8 @@ def sides_of_loop(
         Of that loop.
     pieces_of_edges : sequence or mapping of int, of sequence of EdgePiece
         Of each edge of the net, in its sense; of those of the loop at least.
+    first : int
+        Number of its first half edge: of an outline among those of a loop.
     """
     pieces: list[SidePiece] = []
     kinks: list[float] = []
@@ -95,9 +98,10 @@ def sides_of_loop(
         cut = pieces_of_edges[edge]
         kinks += [normals.corners[number].turn] + [0.0] * (len(cut) - 1)
         ordered = cut if forward else cut[::-1]
-        pieces += [SidePiece(number, each, forward, normals.fields[number]) for each in ordered]
+        field = normals.fields[number]
+        pieces += [SidePiece(first + number, each, forward, field) for each in ordered]
     return sides_of_pieces(
-        pieces, kinks, [normals.corners[piece.half_edge].normal for piece in pieces]
+        pieces, kinks, [normals.corners[piece.half_edge - first].normal for piece in pieces]
     )
 
 

@@ -20,7 +20,8 @@ from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import space_of
 from bozzetto_product.fill.plane_fill import PlaneFill
-from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.network.net import HalfEdge, Loop, Net
+from bozzetto_product.network.outlines import outlines_of
 
 
 def mirror_axis(net: Net) -> int | None:
@@ -130,12 +131,15 @@ def with_twins(
 def image_loop(net: Net, loop: Loop, axis: int) -> Loop | None:
     """Return the mirror image of a loop, run so that its outside stays outside."""
     made = []
-    for number, forward in loop:
-        image = edge_image(net, number, axis)
-        if image is None:
-            return None
-        made.append((net.edges[number].twin, forward != (image.sense > 0)))
-    return tuple(reversed(made))
+    for outline in outlines_of(net, loop):
+        run: list[HalfEdge] = []
+        for number, forward in reversed(outline):
+            image = edge_image(net, number, axis)
+            if image is None:
+                return None
+            run.append((net.edges[number].twin, forward != (image.sense > 0)))
+        made += run
+    return tuple(made)
 
 
 def _mirrored_key(
@@ -196,9 +200,11 @@ def mirrored_fill(
         own = tuple(image(piece) for piece in half.pieces)
         return HalfSide(own, not half.onward, half.breaks, half.knots, points)
 
+    outlines = fill.outlines if isinstance(fill, PlaneFill) else (fill.sides,)
     sides = tuple(
         Side((image_half(side.halves[1]), image_half(side.halves[0])), side.bend)
-        for side in reversed(fill.sides)
+        for outline in outlines
+        for side in reversed(outline)
     )
     count = len(fill.patches)
     patches = tuple(_image_patch(fill.patches[-number], axis) for number in range(count))
@@ -206,7 +212,8 @@ def mirrored_fill(
     if isinstance(fill, PatchFill):
         solution = _image_solution(fill.solution, sides, axis)
         return PatchFill(loop, sides, patches, fill.spacing, key, solution)
-    return PlaneFill(loop, sides, patches, fill.spacing, key)
+    assert isinstance(fill, PlaneFill)
+    return PlaneFill(loop, sides, patches, fill.spacing, key, fill.starts)
 
 
 def _same(one: EdgePiece, two: EdgePiece) -> bool:

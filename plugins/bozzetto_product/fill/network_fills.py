@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -13,7 +13,7 @@ from bozzetto.plugin import remembered
 from bozzetto_product.fill.edge_pieces import EdgePiece, halved, pieces_of
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.inner_cuts import parted_fill, turn_round
-from bozzetto_product.fill.loop_fill import fill_loop
+from bozzetto_product.fill.loop_fill import fill_loop, fill_with_holes
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.mirrored_fill import (
     image_loop,
@@ -22,10 +22,11 @@ from bozzetto_product.fill.mirrored_fill import (
     with_twins,
 )
 from bozzetto_product.fill.normal_field import NormalField
-from bozzetto_product.fill.normals import LoopNormals, edge_normals
+from bozzetto_product.fill.normals import LoopNormals, edge_normals, turned_over
 from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.network.net import HalfEdge, Loop, Net
+from bozzetto_product.network.outlines import outlines_of
 
 SEGMENTS: Final = 16.0
 """Segments of the mesh along an edge of middling length."""
@@ -78,7 +79,7 @@ def fill_net(
     axis = mirror_axis(net)
     counts = [2] * len(net.edges)
     for loop, own in zip(loops, normals, strict=True):
-        least = piece_count(own.corners)
+        least = max(piece_count(each.corners) for each in own.outlines())
         for edge, _ in loop:
             counts[edge] = max(counts[edge], least)
     twins = [edge.twin if edge.twin >= 0 else k for k, edge in enumerate(net.edges)]
@@ -117,7 +118,7 @@ def _cut_finer(
     """Return the edges of loops that have no surface, and have one if pieces are cut in two."""
     found: set[int] = set()
     for loop, own, fill in zip(loops, normals, fills, strict=True):
-        if not _is_sound(fill):
+        if not _is_sound(fill) and len(own.starts) == 1:
             checkpoint()
             pieces = tuple(halved(net.edges[edge].spline, cut[edge]) for edge, _ in loop)
             if _parted(loop, own, pieces, spacing) is not None:
@@ -141,7 +142,7 @@ def _fills(
         checkpoint()
         image = None if axis is None else image_loop(net, loop, axis)
         other = known.get(frozenset(image or ()))
-        if image and other is not None and axis is not None and is_run_of(image, other.loop):
+        if image and other is not None and axis is not None and is_run_of(net, image, other.loop):
             made.append(mirrored_fill(other, net, loop, pieces, axis))
             continue
         fill = _filled(loop, own, tuple(pieces[edge] for edge, _ in loop), spacing)
@@ -151,16 +152,25 @@ def _fills(
     return tuple(made)
 
 
-def is_run_of(image: Loop, loop: Loop) -> bool:
-    """Whether a loop is another one, begun anywhere."""
-    start = image.index(loop[0])
-    return image[start:] + image[:start] == loop
+def is_run_of(net: Net, image: Loop, loop: Loop) -> bool:
+    """Whether a loop is another one, each outline begun anywhere."""
+    return len(image) == len(loop) and all(
+        _is_begun_elsewhere(one, two)
+        for one, two in zip(outlines_of(net, image), outlines_of(net, loop), strict=False)
+    )
+
+
+def _is_begun_elsewhere(image: Loop, outline: Loop) -> bool:
+    if outline[0] not in image:
+        return False
+    start = image.index(outline[0])
+    return image[start:] + image[:start] == outline
 
 
 def _fill_key(
     loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
 ) -> tuple[object, ...]:
-    return loop, normals.corners, normals.fields, pieces, spacing
+    return loop, normals.corners, normals.fields, normals.starts, pieces, spacing
 
 
 @remembered(limit=1024, key=_fill_key)
@@ -173,6 +183,8 @@ def _filled(
     than none.
     """
     by_edge = {edge: own for (edge, _), own in zip(loop, pieces, strict=True)}
+    if len(normals.starts) > 1:
+        return _with_holes(loop, normals, by_edge, spacing)
 
     def filled(own: LoopNormals) -> Fill | None:
         try:
@@ -196,6 +208,25 @@ def _filled(
         if other is not None and not other.folded:
             return other
     return fill
+
+
+def _with_holes(
+    loop: Loop,
+    normals: LoopNormals,
+    pieces: Mapping[int, Sequence[EdgePiece]],
+    spacing: float,
+) -> Fill | None:
+    """Return the fill of a loop with holes; None where there is no surface."""
+    outlines = []
+    for first, own in zip(normals.starts, normals.outlines(), strict=True):
+        outline = loop[first : first + len(own.corners)]
+        if first:
+            own = replace(own, corners=tuple(map(turned_over, own.corners)))
+        outlines.append(sides_of_loop(outline, own, pieces, first))
+    try:
+        return fill_with_holes(outlines, loop=loop, spacing=spacing)
+    except UserError:
+        return None
 
 
 def _without_bulge(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -21,6 +22,7 @@ from bozzetto_product.fill.normal_field import (
 from bozzetto_product.fill.quadric_normals import is_exact_crease, quadric_turns
 from bozzetto_product.fill.torsion import TwistCorner, agreeing
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.network.outlines import outlines_of
 
 SMOOTH_DEGREES: Final = 35.0
 """Angle between the tangent planes of two loops at the ends of an edge below which it is smooth."""
@@ -40,10 +42,18 @@ class LoopNormals:
     fields : tuple of NormalField or None
         Of each half edge, to the outside; None where nothing is to be met: a crease, or an edge
         that no other loop has.
+    starts : tuple of int
+        First half edge of each outline: that of the surface, and those of its holes.
     """
 
     corners: tuple[Corner, ...]
     fields: tuple[NormalField | None, ...]
+    starts: tuple[int, ...] = (0,)
+
+    def outlines(self) -> tuple[LoopNormals, ...]:
+        """Return the normals of each outline by itself."""
+        ends = itertools.pairwise((*self.starts, len(self.corners)))
+        return tuple(LoopNormals(self.corners[a:b], self.fields[a:b]) for a, b in ends)
 
 
 @remembered(limit=8, key=lambda net, loops: (net, tuple(loops)))
@@ -63,16 +73,44 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     loops : sequence of Loop
         Counter-clockwise seen from outside.
     """
-    corners = [loop_corners(net, loop) for loop in loops]
-    smooth = _smooth_edges(net, loops, corners)
-    fields: list[list[NormalField | None]] = [[None] * len(loop) for loop in loops]
-    for edge, common in common_fields(net, loops, corners, smooth).items():
+    every = [outlines_of(net, loop) for loop in loops]
+    outlines, corners = outline_corners(net, loops)
+    smooth = _smooth_edges(net, outlines, corners)
+    fields: list[list[NormalField | None]] = [[None] * len(outline) for outline in outlines]
+    for edge, common in common_fields(net, outlines, corners, smooth).items():
         for number, place, forward in smooth[edge]:
-            ends = corners[number][place], corners[number][(place + 1) % len(loops[number])]
+            ends = corners[number][place], corners[number][(place + 1) % len(outlines[number])]
             fields[number][place] = _own_field(common, ends, forward, net.edges[edge].crease)
-    return tuple(
-        LoopNormals(tuple(mine), tuple(found)) for mine, found in zip(corners, fields, strict=True)
+    rows = iter(zip(corners, fields, strict=True))
+    return tuple(_joined_normals([next(rows) for _ in own]) for own in every)
+
+
+def _joined_normals(
+    rows: Sequence[tuple[Sequence[Corner], Sequence[NormalField | None]]],
+) -> LoopNormals:
+    """Return the normals of a loop by those of its outlines."""
+    starts = itertools.accumulate((len(corners) for corners, _ in rows[:-1]), initial=0)
+    return LoopNormals(
+        tuple(corner for corners, _ in rows for corner in corners),
+        tuple(field for _, fields in rows for field in fields),
+        tuple(starts),
     )
+
+
+def outline_corners(net: Net, loops: Sequence[Loop]) -> tuple[list[Loop], list[tuple[Corner, ...]]]:
+    """Return the outlines of loops, and the corners of each, with normals to the outside."""
+    outlines, corners = [], []
+    for loop in loops:
+        for number, outline in enumerate(outlines_of(net, loop)):
+            own = loop_corners(net, outline)
+            outlines.append(outline)
+            corners.append(tuple(map(turned_over, own)) if number else own)
+    return outlines, corners
+
+
+def turned_over(corner: Corner) -> Corner:
+    """Return the corner of a hole, which `loop_corners` takes for one of a surface within it."""
+    return replace(corner, normal=-corner.normal, concave=not corner.concave)
 
 
 @remembered(limit=8)
@@ -110,7 +148,7 @@ def planes_of_ends(net: Net, loops: Sequence[Loop]) -> dict[tuple[int, int], lis
         Number of an edge, and 0 for its start or 1 for its end: the normals of the fans there, of
         two corners or more.
     """
-    corners = [loop_corners(net, loop) for loop in loops]
+    loops, corners = outline_corners(net, loops)
     planes: dict[tuple[int, int], list[Array]] = {}
     for fan in _fans(_smooth_edges(net, loops, corners), corners, loops):
         if len(fan) < 2:

@@ -1,7 +1,8 @@
-"""Fills of loops that lie in a plane: one rectangle of it, trimmed by the loop."""
+"""Fills of loops that lie in a plane: one rectangle of it, trimmed by the outlines of the loop."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -19,8 +20,8 @@ from bozzetto_product.fill.fill_mesh import boundary_samples
 from bozzetto_product.fill.half_sides import HalfSide, Side
 from bozzetto_product.fill.normal_field import across
 from bozzetto_product.fill.patch_fill import PatchFill, patch_fill
-from bozzetto_product.fill.quadric import plane_through
 from bozzetto_product.fill.ring_triangles import Inside, even_triangles
+from bozzetto_product.network.flat_places import plane_through
 from bozzetto_product.network.net import Loop
 
 if TYPE_CHECKING:
@@ -49,10 +50,20 @@ class PlaneFill(Fill):
     Parameters
     ----------
     loop, sides, spacing, key
-        See `Fill`.
+        See `Fill`; the sides of holes come behind those of the outline.
     patches : tuple of BSplineSurface
         The rectangle around the loop.
+    starts : tuple of int
+        First side of each outline.
     """
+
+    starts: tuple[int, ...] = (0,)
+
+    @property
+    def outlines(self) -> tuple[tuple[Side, ...], ...]:
+        """The sides of the outline round the plane, and those of each hole in it."""
+        ends = itertools.pairwise((*self.starts, len(self.sides)))
+        return tuple(self.sides[a:b] for a, b in ends)
 
     @property
     def plane(self) -> BSplineSurface:
@@ -77,13 +88,20 @@ class PlaneFill(Fill):
     @override
     def mesh(self) -> Mesh:
         """Triangles with normals; vertices on an edge are those of all fills that have it."""
-        _, border, _, _ = boundary_samples(self.sides, self.spacing)
-        ring = self._flat(border)
-        outline = _polygon(ring)
-        apart = float(np.linalg.norm(ring - np.roll(ring, -1, axis=0), axis=1).mean())
-        apart = max(apart, float(np.sqrt(outline.area / MOST_INSIDE)))
-        made = even_triangles(ring, apart, ring.mean(axis=0), _inside(outline))
-        inner, triangles = (ring[:0], triangulate(ring).triangles) if made is None else made
+        borders = [boundary_samples(sides, self.spacing)[1] for sides in self.outlines]
+        border = np.concatenate(borders)
+        rings = [self._flat(each) for each in borders]
+        inside = _polygon(rings)
+        steps = [np.linalg.norm(ring - np.roll(ring, -1, axis=0), axis=1) for ring in rings]
+        apart = float(np.concatenate(steps).mean())
+        apart = max(apart, float(np.sqrt(inside.area / MOST_INSIDE)))
+        centre = rings[0].mean(axis=0)
+        if len(rings) > 1:
+            centre = np.array(inside.representative_point().coords[0])
+        made = even_triangles(rings, apart, centre, _inside(inside))
+        if made is None:
+            made = rings[0][:0], triangulate(rings[0], tuple(rings[1:])).triangles
+        inner, triangles = made
         net = self.plane.control_points
         x, y = net[1, 0] - net[0, 0], net[0, 1] - net[0, 0]
         shares = inner / (np.linalg.norm(x), np.linalg.norm(y))
@@ -97,7 +115,7 @@ class PlaneFill(Fill):
     @override
     def brep(self) -> Brep:
         """The plane as one face; its edges are the pieces of the loop's edges."""
-        return plane_brep_of(self.sides, self.plane, "surface")
+        return plane_brep_of(self.outlines, self.plane, "surface")
 
     @property
     @override
@@ -105,10 +123,21 @@ class PlaneFill(Fill):
         """A plane never is."""
         return False
 
+    @property
+    @override
+    def has_holes(self) -> bool:
+        """Whether it has more outlines than one."""
+        return len(self.starts) > 1
+
     @cached_property
     @override
     def bent(self) -> PatchFill | None:
-        """The same surface as patches, which can be bent; None where these would fold."""
+        """The same surface as patches, which can be bent; None where these would fold.
+
+        And where it has holes, for patches have one outline.
+        """
+        if self.has_holes:
+            return None
         try:
             fill = patch_fill(LoopSides.of(self.sides), self.loop, self.spacing, self.key)
         except UserError:
@@ -125,12 +154,12 @@ class PlaneFill(Fill):
         return places, np.broadcast_to(self.normal, places.shape)
 
     def nearest_within(self, points: Array) -> Array:
-        """Return u and v, (n, 2), of the places within the loop that are nearest to points."""
+        """Return u and v, (n, 2), of the places within the plane that are nearest to points."""
         import shapely
 
         at = plane_parameters(self.plane, points)
         flat = at * self._lengths
-        outline = _polygon(self._flat(_ring_of(self.sides)))
+        outline = _polygon([self._flat(_ring_of(sides)) for sides in self.outlines])
         out = np.flatnonzero(~_inside(outline)(flat))
         if len(out):
             ways = shapely.shortest_line(outline, shapely.points(flat[out]))
@@ -148,13 +177,15 @@ class PlaneFill(Fill):
         return plane_parameters(self.plane, points) * self._lengths
 
 
-def plane_fill(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> PlaneFill | None:
+def plane_fill(
+    outlines: Sequence[Sequence[Side]], loop: Loop, spacing: float, key: bytes
+) -> PlaneFill | None:
     """Fill a loop by its plane.
 
     Parameters
     ----------
-    frame : LoopSides
-        Its sides.
+    outlines : sequence of sequence of Side
+        The sides of its outline, and of each hole.
     loop, spacing, key
         See `Fill`.
 
@@ -164,23 +195,22 @@ def plane_fill(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> Plan
         None where the loop lies in no plane, encloses no area, or crosses itself, be it only as the
         mesh has it.
     """
-    points = np.concatenate([half.points for side in frame.sides for half in side.halves])
+    sides = tuple(side for each in outlines for side in each)
+    points = np.concatenate([half.points for side in sides for half in side.halves])
     lying = plane_through(points)
     if lying is None:
         return None
     middle, normal = lying
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    ring = _ring_of(frame.sides)
-    x = _direction(frame.sides, normal, size)
+    x = _direction(outlines[0], normal, size)
     corners = np.stack((x, cross_product(normal, x)))
-    flat = (ring - middle) @ corners.T
-    outline = _polygon(flat)
-    if not outline.is_valid or outline.area <= LEAST_WIDTH * size**2:
+    inside = _polygon([(_ring_of(each) - middle) @ corners.T for each in outlines])
+    if not inside.is_valid or inside.area <= LEAST_WIDTH * size**2:
         return None
-    _, border, _, _ = boundary_samples(frame.sides, spacing)
-    if not _polygon((border - middle) @ corners.T).is_valid:
+    borders = [boundary_samples(each, spacing)[1] for each in outlines]
+    if not _polygon([(border - middle) @ corners.T for border in borders]).is_valid:
         return None
-    if not outline.exterior.is_ccw:
+    if not inside.exterior.is_ccw:
         corners[1] = -corners[1]
     flat = (points - middle) @ corners.T
     low, high = flat.min(axis=0), flat.max(axis=0)
@@ -188,7 +218,8 @@ def plane_fill(frame: LoopSides, loop: Loop, spacing: float, key: bytes) -> Plan
         [[middle + (u, v) @ corners for v in (low[1], high[1])] for u in (low[0], high[0])]
     )
     plane = BSplineSurface((1, 1), KNOTS, KNOTS, net)
-    return PlaneFill(loop, frame.sides, (plane,), spacing, key)
+    starts = tuple(itertools.accumulate((len(each) for each in outlines[:-1]), initial=0))
+    return PlaneFill(loop, sides, (plane,), spacing, key, starts)
 
 
 def _direction(sides: Sequence[Side], normal: Array, size: float) -> Array:
@@ -216,10 +247,11 @@ def _ring_of(sides: Sequence[Side]) -> Array:
     return np.concatenate(rows)
 
 
-def _polygon(ring: Array) -> shapely.Polygon:
+def _polygon(rings: Sequence[Array]) -> shapely.Polygon:
+    """Return what is within the first of some rings, and outside of the others."""
     import shapely
 
-    return shapely.Polygon(ring)
+    return shapely.Polygon(rings[0], rings[1:])
 
 
 def _inside(outline: shapely.Polygon) -> Inside:

@@ -1,4 +1,4 @@
-"""Planes and quadrics that the curves of a loop lie on.
+"""Quadrics that the curves of a loop lie on.
 
 Spheres, ellipsoids, cylinders, cones, paraboloids and hyperboloids are quadrics, and so is much of
 what is drawn on rough shapes. Two curves through a corner leave open how normals lean in the middle
@@ -17,10 +17,6 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-
-OFF_PLANE: Final = 5e-9
-"""Largest distance of a loop from its plane, as share of its size: half of what exact shapes
-allow between an edge and a face."""
 
 CLOSE: Final = 5e-4
 """Root mean square distance of places from a quadric, as share of their size, up to which they lie
@@ -111,24 +107,6 @@ class Quadric:
             if np.linalg.norm(found - places, axis=1).max() > reach:
                 return None
         return found
-
-
-def plane_through(places: Array, off: float = OFF_PLANE) -> tuple[Array, Array] | None:
-    """Return the middle and the unit normal of the plane that places lie in, if they do.
-
-    Parameters
-    ----------
-    places : (n, 3) float
-        Control points will do, for a plane is affine.
-    off : float
-        Largest distance from it, as share of their size.
-    """
-    middle = places.mean(axis=0)
-    normal = np.linalg.svd(places - middle, full_matrices=False)[2][2]
-    size = float(np.linalg.norm(np.ptp(places, axis=0)))
-    if not float(np.abs((places - middle) @ normal).max()) <= off * size:
-        return None
-    return middle, normal
 
 
 def quadric_through(places: Array, weights: Array) -> Quadric | None:

@@ -18,7 +18,8 @@ from bozzetto.plugin import remembered
 from bozzetto_product.fill.edge_pieces import opened
 from bozzetto_product.fill.even_torsion import even_parameters
 from bozzetto_product.fill.normal_field import NormalField, unit_tangents
-from bozzetto_product.fill.quadric import EXACT, Quadric, plane_through, quadric_through
+from bozzetto_product.fill.quadric import EXACT, Quadric, quadric_through
+from bozzetto_product.network.flat_places import plane_through
 from bozzetto_product.network.net import Loop, Net
 
 MOST_APART: Final = 0.15

@@ -1,13 +1,14 @@
-"""Even triangles between the vertices of a ring: a grid inside, smoothed, joined by Delaunay."""
+"""Even triangles between the vertices of rings: a grid inside, smoothed, joined by Delaunay."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto.geometry import ring_links
 from bozzetto_product.fill.domain import cross
 
 CLEAR: Final = 0.7
@@ -27,34 +28,35 @@ Inside = Callable[[Array], Flags]
 
 
 def even_triangles(
-    ring: Array, spacing: float, centre: Array, inside: Inside
+    rings: Sequence[Array], spacing: float, centre: Array, inside: Inside
 ) -> tuple[Array, Index] | None:
-    """Return inner vertices, and triangles between them and those of a ring.
+    """Return inner vertices, and triangles between them and those of rings.
 
     Parameters
     ----------
-    ring : (b, 2) float
-        Counter-clockwise; it does not cross itself.
+    rings : sequence of (b, 2) float
+        The outline, counter-clockwise, and those of holes, clockwise; none crosses another one.
     spacing : float
         Of the inner vertices.
     centre : (2,) float
         From which the grid of these starts.
     inside : callable
-        Whether places are within the ring.
+        Whether places are within the outline, and in no hole.
 
     Returns
     -------
     places : (m, 2) float
     triangles : (t, 3) int
-        Counter-clockwise; the vertices of the ring are counted first.
-    or None where a side of the ring was in no triangle.
+        Counter-clockwise; the vertices of the rings are counted first.
+    or None where a side of a ring was in no triangle.
     """
+    ring, (after, _) = np.concatenate(rings), ring_links([len(each) for each in rings])
     for finer in FINER:
         places = _even_places(ring, finer * spacing, centre, inside)
         triangles = _between(np.concatenate((ring, places)), spacing, inside)
         places = _smoothed(ring, places, triangles)
         triangles = _between(np.concatenate((ring, places)), spacing, inside)
-        if _fits(triangles, len(ring), len(ring) + len(places)):
+        if _fits(triangles, after, len(ring) + len(places)):
             return places, triangles
     return None
 
@@ -103,14 +105,13 @@ def _smoothed(ring: Array, inside: Array, triangles: Index) -> Array:
     return places[len(ring) :]
 
 
-def _fits(triangles: Index, border: int, count: int) -> bool:
+def _fits(triangles: Index, after: Index, count: int) -> bool:
     """Whether triangles use all vertices and have the boundary, and nothing else, for border."""
     sides = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
     keys = sides[:, 0] * count + sides[:, 1]
     back = sides[:, 1] * count + sides[:, 0]
     open_keys = np.sort(keys[~np.isin(keys, back)])
-    ring = np.arange(border)
-    wanted = np.sort(ring * count + (ring + 1) % border)
+    wanted = np.sort(np.arange(len(after)) * count + after)
     return bool(
         len(np.unique(triangles)) == count
         and len(np.unique(keys)) == len(keys)

@@ -21,11 +21,14 @@ from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_t
 from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.hand_over.tangent_planes import with_common_tangents
 from bozzetto_product.loops.boundaries import boundary_of
+from bozzetto_product.loops.holes import ROUGH, with_clockwise_holes
 from bozzetto_product.loops.orientation import orient_loops
+from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.model.curves import FARTHEST, Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.operations.boundaries import outlines_of_boundary
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state
 
@@ -51,10 +54,14 @@ def product_of_network(
     network = network_of(facts)
     state = network.state
     if network.loops is None:
-        state = with_patches_found(state)
+        state = with_patches_found(state, ROUGH)
     else:
         state = _with_named_loops(state, network)
     state = with_common_tangents(flattened(state, network.rounding), network.tolerance)
+    if network.loops is None and any(
+        len(outlines_of_boundary(patch.boundary)) > 1 for patch in state.of_kind(Patch)
+    ):
+        state = with_patches_found(state)  # what was put into no plane exactly has no holes
     state = _with_pressures(state, network)
     return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
 
@@ -84,18 +91,37 @@ def named_loop(net: Net, names: Sequence[str], wanted: Sequence[str]) -> Loop | 
     """Find the loop through all of the named curves or pieces, and no others.
 
     Of a curve that is cut at joints it may take some pieces only. The least number of edges is
-    taken; None where there is no such loop.
+    taken; None where there is no such loop. Curves that do not hang together are the outline of the
+    surface, which is the largest of them, and those of its holes.
     """
     allowed: dict[int, int] = {}
     for place, name in enumerate(dict.fromkeys(wanted)):
         for edge, own in enumerate(names):
             if own == name or own.rpartition("/")[0] == name:
                 allowed.setdefault(edge, place)
-    count = len(dict.fromkeys(wanted))
-    if set(allowed.values()) != set(range(count)):
+    if set(allowed.values()) != set(range(len(dict.fromkeys(wanted)))):
         return None
-    loops = _closed_walks(net, allowed, count)
-    return min(loops, key=len, default=None)
+    outlines = []
+    for part in _hanging_together(net, list(allowed)):
+        places = sorted({allowed[edge] for edge in part})
+        known = {edge: places.index(allowed[edge]) for edge in part}
+        outline = min(_closed_walks(net, known, len(places)), key=len, default=None)
+        if outline is None:
+            return None
+        outlines.append(outline)
+    return with_clockwise_holes(SampledNet.of(net), outlines)
+
+
+def _hanging_together(net: Net, edges: Sequence[int]) -> list[list[int]]:
+    """Return the edges that hang together by nodes, in the order given."""
+    from scipy.cluster.hierarchy import DisjointSet
+
+    sets = DisjointSet(edges)
+    first: dict[int, int] = {}
+    for edge in edges:
+        for node in {net.edges[edge].start, net.edges[edge].end} - {-1}:
+            sets.merge(edge, first.setdefault(node, edge))
+    return [sorted(part, key=edges.index) for part in sets.subsets()]
 
 
 def _closed_walks(net: Net, allowed: Mapping[int, int], count: int) -> Iterator[Loop]:

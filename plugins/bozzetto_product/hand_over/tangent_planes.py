@@ -101,6 +101,15 @@ def _joined_places(state: ProductState, splines: dict[str, Spline]) -> dict[str,
     return places
 
 
+def _along_planes(step: Array, normals: Sequence[Array]) -> Array:
+    """Return the part of a step, (3,), that leaves none of the planes of some normals."""
+    if not normals:
+        return step
+    _, sizes, axes = np.linalg.svd(np.array(normals), full_matrices=False)
+    held = axes[sizes > ALIKE * np.sqrt(len(normals))]
+    return np.asarray(step - (held @ step) @ held)
+
+
 def _turned(
     spline: Spline,
     planes: Sequence[_Plane],
@@ -127,7 +136,7 @@ def _turned(
         off = -np.linalg.pinv(normals, rcond=ALIKE) @ (normals @ slopes[number])
         if np.linalg.norm(off) > WIDEST * np.linalg.norm(slopes[number]):
             return spline
-        changes[number] = off
+        changes[number] = _along_planes(off, flat)
     if not changes.any():
         return spline
     system = np.vstack((spline_weights(spline, held), spline_weights(spline, at, 1)))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from bozzetto_product.model.joints import Boundary, Run
 from bozzetto_product.network.half_edges import half_edge_images, half_edges, loop_of_half_edges
 from bozzetto_product.network.net import HalfEdge, Loop, Net
+from bozzetto_product.network.outlines import ends_of, outlines_of
 
 NodeName = tuple[str, bool]
 """Id of a joint, and whether it is the joint's mirror image."""
@@ -20,7 +21,7 @@ def boundary_of(net: Net, loop: Loop) -> Boundary:
     net : Net
         Where the loop is.
     loop : Loop
-        Through nodes that are joints, or one closed edge.
+        Its outlines go through nodes that are joints, or are one closed edge.
 
     Returns
     -------
@@ -28,8 +29,13 @@ def boundary_of(net: Net, loop: Loop) -> Boundary:
         Pieces of one curve that follow one another are one run, so that joints which are added
         later change nothing.
     """
+    return tuple(run for outline in outlines_of(net, loop) for run in _runs_of(net, outline))
+
+
+def _runs_of(net: Net, outline: Loop) -> list[Run]:
+    """Return the runs of one outline."""
     runs: list[Run] = []
-    for half_edge in loop:
+    for half_edge in outline:
         run = _run(net, half_edge)
         if runs and _goes_on(runs[-1], run):
             runs[-1] = _joined(runs[-1], run)
@@ -37,7 +43,7 @@ def boundary_of(net: Net, loop: Loop) -> Boundary:
             runs.append(run)
     if len(runs) > 1 and _goes_on(runs[-1], runs[0]):
         runs[0] = _joined(runs.pop(), runs[0])
-    return tuple(runs)
+    return runs
 
 
 def mirrored_boundary(boundary: Boundary) -> Boundary:
@@ -53,12 +59,12 @@ def loop_of(net: Net, boundary: Boundary) -> Loop | None:
     net : Net
         Where the loop is looked for.
     boundary : tuple of Run
-        Head to tail.
+        Head to tail, outline after outline.
 
     Returns
     -------
     Loop or None
-        None if a curve or a joint is gone, or if the runs do not follow one another. Joints that
+        None if a curve or a joint is gone, or if the runs of an outline do not close. Joints that
         were added within a run since then only make more edges of it.
     """
     images = half_edge_images(net)
@@ -71,19 +77,14 @@ def loop_of(net: Net, boundary: Boundary) -> Loop | None:
         if part is None:
             return None
         loop += part
-    ends = [_nodes(net, each) for each in loop]
-    follow = all(
-        first[1] == second[0] for first, second in zip(ends, ends[1:] + ends[:1], strict=True)
+    closed = all(
+        ends_of(net, outline[0])[0] == ends_of(net, outline[-1])[1]
+        for outline in outlines_of(net, tuple(loop))
     )
-    return tuple(loop) if loop and follow else None
+    return tuple(loop) if loop and closed else None
 
 
 # -- from edges to runs ----------------------------------------------------------------------
-
-
-def _nodes(net: Net, half_edge: HalfEdge) -> tuple[int, int]:
-    edge, forward = net.edges[half_edge[0]], half_edge[1]
-    return (edge.start, edge.end) if forward else (edge.end, edge.start)
 
 
 def _run(net: Net, half_edge: HalfEdge) -> Run:
@@ -91,7 +92,7 @@ def _run(net: Net, half_edge: HalfEdge) -> Run:
     number, forward = half_edge
     edge = net.edges[number]
     named = edge.twin if edge.mirrored and edge.twin >= 0 else number
-    first, last = _nodes(net, (named, forward))
+    first, last = ends_of(net, (named, forward))
     if first < 0:
         return Run(edge.curve, "", "", forward, edge.mirrored)
     (start, opposite), (end, end_opposite) = net.joints[first], net.joints[last]
@@ -121,7 +122,7 @@ def _walk(net: Net, run: Run) -> list[HalfEdge] | None:
     pieces.sort(key=lambda number: net.edges[number].piece, reverse=not run.forward)
     if not pieces:
         return None
-    ends = [_nodes(net, (number, run.forward)) for number in pieces]
+    ends = [ends_of(net, (number, run.forward)) for number in pieces]
     around = ends[-1][1] == ends[0][0]
     if not run.start and not run.end:
         return [(number, run.forward) for number in pieces] if around else None

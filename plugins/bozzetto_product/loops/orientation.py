@@ -12,6 +12,7 @@ from bozzetto.arrays import Array, cross_product
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.network.outlines import outlines_of, reversed_loop
 
 FLAT_VOLUME: Final = 1e-3
 """Volume, per area to the power 1.5, below which loops count as flat: a cap as high as a hundredth
@@ -66,10 +67,10 @@ def orient_loops(
     Returns
     -------
     OrientedLoops
-        Seen from outside a loop runs counter-clockwise. Outside is where the signed volume of
-        a part's loops, each as a cone over its own centre, is positive: exactly so where the part
-        is closed; of an open one, the side that it bulges to. A flat one faces away from what it
-        was drawn on, or else up.
+        Seen from outside a loop runs counter-clockwise, and round its holes clockwise. Outside is
+        where the signed volume of a part's loops, each outline as a cone over its own centre, is
+        positive: exactly so where the part is closed; of an open one, the side that it bulges to.
+        A flat one faces away from what it was drawn on, or else up.
     """
     turned = [tuple(loop) for loop in loops]
     at_edge: dict[int, list[int]] = {}
@@ -80,13 +81,14 @@ def orient_loops(
     seen: set[int] = set()
     for number in range(len(turned)):
         if number not in seen:
-            parts.append(tuple(sorted(_turn_alike(number, turned, at_edge))))
+            parts.append(tuple(sorted(_turn_alike(net, number, turned, at_edge))))
             seen.update(parts[-1])
     sampled = SampledNet.of(net)
     for part in parts:
-        if _faces_inward([_points(sampled, turned[number]) for number in part], outward_at):
+        outlines = [each for number in part for each in outlines_of(net, turned[number])]
+        if _faces_inward([_points(sampled, each) for each in outlines], outward_at):
             for number in part:
-                turned[number] = reversed_loop(turned[number])
+                turned[number] = reversed_loop(net, turned[number])
     disagreeing = {edge for edge, here in at_edge.items() if _disagree(edge, here, turned)}
     open_edges = tuple(sorted(edge for edge, here in at_edge.items() if len(here) == 1))
     crowded = tuple(sorted(edge for edge, here in at_edge.items() if len(here) > 2))
@@ -99,12 +101,9 @@ def orient_loops(
     )
 
 
-def reversed_loop(loop: Loop) -> Loop:
-    """Return a loop the other way round."""
-    return tuple((edge, not forward) for edge, forward in reversed(loop))
-
-
-def _turn_alike(first: int, turned: list[Loop], at_edge: dict[int, list[int]]) -> list[int]:
+def _turn_alike(
+    net: Net, first: int, turned: list[Loop], at_edge: dict[int, list[int]]
+) -> list[int]:
     """Turn the loops that hang together with one, breadth first, over edges of two loops."""
     part, seen = [first], {first}
     for number in part:
@@ -113,7 +112,7 @@ def _turn_alike(first: int, turned: list[Loop], at_edge: dict[int, list[int]]) -
             for other in here if len(here) == 2 else ():
                 if other not in seen:
                     if (edge, forward) in turned[other]:
-                        turned[other] = reversed_loop(turned[other])
+                        turned[other] = reversed_loop(net, turned[other])
                     seen.add(other)
                     part.append(other)
     return part

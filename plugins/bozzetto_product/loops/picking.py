@@ -12,6 +12,7 @@ from bozzetto_product.loops.finding import FoundLoops
 from bozzetto_product.loops.sampling import SampledNet
 from bozzetto_product.network.half_edges import half_edges
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.network.outlines import outlines_of, rim_edges
 
 BEHIND: Final = 4.0
 """What a loop costs for lying one diagonal of the net behind the first that a ray meets: a better
@@ -35,20 +36,27 @@ def loops_at(
     Returns
     -------
     tuple of Loop
-        All whose inside, as the cone over their centre, the ray meets: by cost and depth. The
-        next touch at the same place may take the next one. Empty beside all loops.
+        All whose inside, as the cone over their centre, the ray meets, and of which it meets no
+        hole: by cost and depth. The next touch at the same place may take the next one. Empty
+        beside all loops.
     """
     start, ahead = np.asarray(origin, float), np.asarray(direction, float)
     length = float(np.linalg.norm(ahead))
     if not (np.isfinite(start).all() and 0.0 < length < np.inf):
         return ()
-    costs = dict(zip(found.candidates, found.candidate_costs, strict=True))
-    costs = {**dict(zip(found.loops, found.costs, strict=True)), **costs}
+    costs = dict(zip(found.loops, found.costs, strict=True))
+    known = {rim_edges(net, loop) for loop in found.loops}
+    for loop, cost in zip(found.candidates, found.candidate_costs, strict=True):
+        if frozenset(edge for edge, _ in loop) not in known:
+            costs[loop] = cost
     sampled = SampledNet.of(net)
     hits: dict[frozenset[int], tuple[float, float, Loop]] = {}
     for loop, cost in costs.items():
-        depth = _depth(_ring(sampled, loop), start, ahead / length)
-        if depth is not None:
+        depth, *holes = (
+            _depth(_ring(sampled, outline), start, ahead / length)
+            for outline in outlines_of(net, loop)
+        )
+        if depth is not None and not any(hole is not None for hole in holes):
             hits.setdefault(frozenset(edge for edge, _ in loop), (depth, cost, loop))
     if not hits:
         return ()

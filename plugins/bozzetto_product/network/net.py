@@ -87,4 +87,4 @@ HalfEdge = tuple[int, bool]
 """Number of an edge, and whether it is walked from its start to its end."""
 
 Loop = tuple[HalfEdge, ...]
-"""Head to tail."""
+"""Head to tail: the outline of a surface, and those of holes in it behind; see `outlines`."""

@@ -99,9 +99,29 @@ def turned_run(run: Run) -> Run:
     return replace(run, start=run.end, end=run.start, forward=not run.forward)
 
 
+def outlines_of_boundary(boundary: Boundary) -> list[Boundary]:
+    """Return the outlines of a boundary: that of the surface, and those of its holes.
+
+    One ends where it is closed and the next run begins in another joint.
+    """
+    made: list[list[Run]] = []
+    for run in boundary:
+        last = made[-1] if made else []
+        closed = bool(last) and last[0].start == last[-1].end
+        if not made or (closed and (not run.start or run.start != last[-1].end)):
+            made.append([])
+        made[-1].append(run)
+    return [tuple(outline) for outline in made]
+
+
 def joined_runs(boundary: Boundary, curve: str, joint: str) -> Boundary:
     """Return a boundary in which two runs over one curve, met at a joint, are one."""
-    runs = list(boundary)
+    outlines = outlines_of_boundary(boundary)
+    return tuple(run for one in outlines for run in _joined_runs(one, curve, joint))
+
+
+def _joined_runs(outline: Boundary, curve: str, joint: str) -> list[Run]:
+    runs = list(outline)
     number = 0
     while len(runs) > 1 and number < len(runs):
         run, after = runs[number], runs[(number + 1) % len(runs)]
@@ -116,7 +136,7 @@ def joined_runs(boundary: Boundary, curve: str, joint: str) -> Boundary:
             number = 0
         else:
             number += 1
-    return tuple(runs)
+    return runs
 
 
 def joints_in_use(state: ProductState) -> set[str]:

@@ -14,7 +14,7 @@ from bozzetto.ink import Strokes
 from bozzetto_product.model.joints import Boundary, Joint, Meeting, Run
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.operations.boundaries import with_boundaries
+from bozzetto_product.operations.boundaries import outlines_of_boundary, with_boundaries
 from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
@@ -309,9 +309,13 @@ def _round_the_corner(
     boundary: Boundary, waste: list[str], corners: list[str], arc: str
 ) -> Boundary:
     """Return a boundary in which the two parts at a corner are the arc."""
+    rows = [
+        (outline[number - 1], run)
+        for outline in outlines_of_boundary(boundary)
+        for number, run in enumerate(outline)
+    ]
     runs: list[Run] = []
-    for number, run in enumerate(boundary):
-        before = boundary[number - 1]
+    for before, run in rows:
         if run.curve in waste and before.curve in waste and run.curve != before.curve:
             forward = before.curve == waste[0]
             start, end = (corners[0], corners[1]) if forward else (corners[1], corners[0])

@@ -18,6 +18,7 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.boundaries import (
     joined_runs,
     joints_in_use,
+    outlines_of_boundary,
     span_of,
     split_run,
     with_boundaries,
@@ -48,7 +49,7 @@ bridged."""
 
 
 def delete_curves(state: ProductState, *curve_ids: str) -> ProductState:
-    """Return the network without some curves, and without the surfaces that they bound.
+    """Return the network without some curves, and without the surfaces and holes that they bound.
 
     Parameters
     ----------
@@ -59,7 +60,11 @@ def delete_curves(state: ProductState, *curve_ids: str) -> ProductState:
     """
 
     def kept(boundary: Boundary) -> Boundary | None:
-        return None if any(run.curve in curve_ids for run in boundary) else boundary
+        rim, *holes = (
+            () if any(run.curve in curve_ids for run in outline) else outline
+            for outline in outlines_of_boundary(boundary)
+        )
+        return tuple(run for outline in (rim, *holes) for run in outline) if rim else None
 
     return without_idle_joints(with_boundaries(state.without_nodes(*curve_ids), kept))
 

@@ -50,7 +50,7 @@ def paper_surfaces(
         own = tuple(pieces[edge] for edge, _ in loop)
         image = None if axis is None else image_loop(net, loop, axis)
         other = known.get(frozenset(image or ()))
-        if image and other is not None and axis is not None and is_run_of(image, other.loop):
+        if image and other is not None and axis is not None and is_run_of(net, image, other.loop):
             found = _image(other, loop, image, own, spacing, axis)
         else:
             found = paper_surface(loop, own, spacing)

@@ -21,7 +21,8 @@ from bozzetto_product.fill.loop_fill import fill_loop
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.normal_field import frame_parameters
 from bozzetto_product.fill.normals import edge_normals
-from bozzetto_product.network.net import Edge, HalfEdge, Loop, Net, ToldNormals
+from bozzetto_product.network.net import Edge, Loop, Net, ToldNormals
+from bozzetto_product.network.outlines import ends_of, outlines_of
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.displacement import displaced
 from bozzetto_product.projection.spline_basis import bent
@@ -133,11 +134,6 @@ def inner_edges(net: Net, loops: Sequence[Loop], part: Collection[int]) -> tuple
     )
 
 
-def _ends(net: Net, half: HalfEdge) -> tuple[int, int]:
-    edge = net.edges[half[0]]
-    return (edge.start, edge.end) if half[1] else (edge.end, edge.start)
-
-
 def _outline(
     net: Net, loops: Sequence[Loop], part: Sequence[int], inner: Sequence[int]
 ) -> Loop | None:
@@ -148,13 +144,14 @@ def _outline(
         return None
     ring = [halves.pop(0)]
     while halves:
-        at = _ends(net, ring[-1])[1]
-        following = [half for half in halves if _ends(net, half)[0] == at]
+        at = ends_of(net, ring[-1])[1]
+        following = [half for half in halves if ends_of(net, half)[0] == at]
         if len(following) != 1:
             return None
         halves.remove(following[0])
         ring.append(following[0])
-    return tuple(ring) if _ends(net, ring[-1])[1] == _ends(net, ring[0])[0] else None
+    closed = ends_of(net, ring[-1])[1] == ends_of(net, ring[0])[0]
+    return tuple(ring) if closed and len(outlines_of(net, tuple(ring))) == 1 else None
 
 
 def _filled(net: Net, loops: Sequence[Loop], part: Sequence[int], ring: Loop) -> Fill | None:
@@ -185,9 +182,9 @@ def _let_go(
     moves: dict[int, Spline],
 ) -> None:
     """Bring edges, and the nodes between them, a share of the way to a fill."""
-    fixed = {node for half in fill.loop for node in _ends(net, half)}
+    fixed = {node for half in fill.loop for node in ends_of(net, half)}
     free = sorted(
-        {node for edge in inner for node in _ends(net, (edge, True)) if node >= 0} - fixed
+        {node for edge in inner for node in ends_of(net, (edge, True)) if node >= 0} - fixed
     )
     if free:
         there = nearest_on(fill, net.nodes[free])[0]

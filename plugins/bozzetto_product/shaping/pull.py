@@ -75,6 +75,8 @@ _BESIDE: Final = (
 )
 _FOLDS: Final = "a stroke pulls it so far that it would fold or leave its smooth edges. Pull less."
 
+_HOLED: Final = "it has holes. Draw curves from its outline to them, and pull what is between."
+
 
 def pulled(
     fill: Fill,
@@ -101,7 +103,7 @@ def pulled(
         return Pulled(fill, _BESIDE)
     start = fill.bent
     if start is None:
-        return Pulled(fill, _FOLDS)
+        return Pulled(fill, _HOLED if fill.has_holes else _FOLDS)
     made = start
     tie = TIE * start.size
     sense, on_edge = sights.sense(start, tie)

@@ -12,6 +12,7 @@ from bozzetto_product.model.patches import CurveGroup, Patch
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.network.outlines import outlines_of
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.paper.group_spring import EvenedGroup, evened_group
 from bozzetto_product.paper.membrane import pressed
@@ -22,6 +23,8 @@ from bozzetto_product.solve.groups import FairedGroups, parts_within
 from bozzetto_product.solve.result import SolvedPatch
 
 FOLDED: Final = "its triangles fold. Draw a curve across, or set “Surfaces” to “Fair”."
+
+HOLED: Final = "surfaces as in the paper have no holes. Set “Surfaces” to “Fair”."
 
 UNPULLED: Final = (
     "Surfaces as in the paper follow no stroke. Set “Surfaces” of the product to “Fair” to pull."
@@ -69,11 +72,14 @@ def surfaced_as_in_paper(
     job : Job
         Asked between the surfaces whether to go on.
     """
-    made = _created(net, tuple(loops), job)
-    problems = [FOLDED if one.folded else "" for one in made]
+    plain = [k for k, loop in enumerate(loops) if len(outlines_of(net, loop)) == 1]
+    made = dict(zip(plain, _created(net, tuple(loops[k] for k in plain), job), strict=True))
+    problems = [
+        HOLED if k not in made else FOLDED if made[k].folded else "" for k in range(len(loops))
+    ]
     rows = [
-        _pressed(one, patch.pressure) if not problem else (None, False)
-        for one, (patch, _), problem in zip(made, wanted, problems, strict=True)
+        _pressed(made[k], patch.pressure) if not problems[k] else (None, False)
+        for k, (patch, _) in enumerate(wanted)
     ]
     surfaces = [surface for surface, _ in rows]
     moved: set[int] = set()

@@ -13,11 +13,8 @@ from bozzetto_product.loops.picking import loops_at
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Loop, Net
-from bozzetto_product.solve.found_patches import (
-    edges_of,
-    found_loops,
-    switched,
-)
+from bozzetto_product.network.outlines import rim_edges
+from bozzetto_product.solve.found_patches import found_loops, switched
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state
 from bozzetto_product.tools.product_tool import ProductTool
 from bozzetto_product.view.scene import LOOP_TOOL, edge_lines
@@ -89,14 +86,15 @@ def _meant(state: ProductState, net: Net, tap: Tap) -> Loop | None:
     row = _candidates(state, net, tap)
     if not row:
         return None
-    own = {edges_of(loop) for patch in state.of_kind(Patch) for loop in loops_of_patch(net, patch)}
-    if edges_of(row[0]) in own:
+    loops = (loop for patch in state.of_kind(Patch) for loop in loops_of_patch(net, patch))
+    own = {rim_edges(net, loop) for loop in loops}
+    if rim_edges(net, row[0]) in own:
         return row[0]
     rejected = _rejected_edges(state, net)
     taken = own | rejected
-    return next((loop for loop in row if edges_of(loop) not in taken), row[0])
+    return next((loop for loop in row if rim_edges(net, loop) not in taken), row[0])
 
 
 def _rejected_edges(state: ProductState, net: Net) -> set[frozenset[int]]:
     patches = [Patch(boundary=boundary) for boundary in state.rejected]
-    return {edges_of(loop) for patch in patches for loop in loops_of_patch(net, patch)}
+    return {rim_edges(net, loop) for patch in patches for loop in loops_of_patch(net, patch)}

@@ -72,6 +72,31 @@ def test_the_view_tilts_once_and_comes_back_exactly(session, canvas, qtbot):
     assert not canvas.motion.is_running
 
 
+def test_the_view_tilts_from_where_it_has_gone_to_the_shape(session, canvas, qtbot):
+    """The sheet is told of shapes a moment later, and only then the view goes to them."""
+    session.scene.busy = True
+    session.solver.settled.emit("m1")
+    qtbot.wait(30)
+    assert not canvas.motion.is_running
+    there = standard_view(session.view.camera, "right")
+    session.view.set_camera(there)
+    session.scene.busy = False
+    qtbot.waitUntil(lambda: canvas.motion.is_running, timeout=3000)
+    arrived(canvas, qtbot)
+    assert session.view.camera == there
+
+
+def test_the_first_shape_does_not_tilt_where_a_picture_comes(session, canvas, qtbot):
+    """It was about to when the view had gone to the picture before the sheet was told."""
+    session.scene.busy = True
+    session.pictures.taken.emit("m1")
+    session.solver.settled.emit("m1")
+    canvas._pictured = ""  # the view has gone there
+    session.scene.busy = False
+    qtbot.wait(50)
+    assert not canvas.motion.is_running
+
+
 def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
     canvas.views.look("right")
     assert canvas.motion.is_running

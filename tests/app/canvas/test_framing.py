@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from bozzetto.view.standard_views import standard_view
 from bozzetto_app.canvas.framing import framed, is_in_view, points_to_frame, same_view
 from bozzetto_app.session.view_state import FIRST_VIEW
 from bozzetto_app.testing.stylus import Stylus
+
+GALLERY = Path(__file__).parents[3] / "docs" / "gallery"
 
 FAR = Camera(eye=(900.0, -40.0, 700.0), target=(800.0, 0.0, 700.0))
 """A view that shows nothing of any drawing."""
@@ -336,6 +339,34 @@ def test_a_car_that_a_command_puts_on_the_sheet_is_in_view_whatever_was_pressed(
     session.commands.run("new-car")
     settle(session, window.keeper)
     assert len(session.drawing.document.models) == 1
+    assert sees_all(window)
+
+
+def test_the_first_shape_tilts_where_it_is_framed(make_window, qtbot, settle):
+    """The tilt began before the view had gone to the car, and ended where nothing was seen."""
+    window = make_window("bozzetto.car")
+    session, motion = window.session, window.canvas.motion
+    motion.reduced = False
+    session.commands.run("new-car")
+    qtbot.waitUntil(lambda: motion.is_running, timeout=20_000)
+    qtbot.waitUntil(lambda: not motion.is_running, timeout=20_000)
+    settle(session, window.keeper)
+    assert sees_all(window)
+
+
+def test_a_second_sketch_is_seen_from_where_it_was_drawn(make_window, qtbot, settle):
+    """Its picture is shown, and the first shape does not tilt instead."""
+    window = make_window("bozzetto.car")
+    session, motion = window.session, window.canvas.motion
+    motion.reduced = False
+    draw_sample(window, settle, "bozzetto.car")
+    session.files.exchange.import_file(GALLERY / "car" / "sedan-2.png")
+    settle(session, window.keeper)
+    qtbot.waitUntil(lambda: not motion.is_running, timeout=20_000)
+    settle(session, window.keeper)
+    (model,) = session.drawing.document.models
+    assert len(model.state.sketches) == 2
+    assert session.advice.holds_eye(session.view.camera)
     assert sees_all(window)
 
 

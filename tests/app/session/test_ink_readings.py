@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from bozzetto.scene.palette import DARK
 from bozzetto_app.session import ink_readings

@@ -270,3 +270,24 @@ def test_a_model_still_to_be_drawn_is_begun_beside_what_is_visible(make_session,
     session.drawing.undo()
     settle(session)
     assert session.scene.advice.layers
+
+
+def test_advice_that_looks_the_same_is_shown_once(session):
+    """A view that goes along with a picture asks about it again: nothing is drawn anew."""
+    told = []
+    session.scene.live_changed.connect(lambda: told.append(session.scene.advice))
+    line = Lines([(0.0, 0.0, 0.0), (9.0, 0.0, 0.0)])
+    session.scene.show_advice(Scene((Layer("a", (line,)),)))
+    assert len(told) == 1
+    session.scene.show_advice(Scene((Layer("a", (line,)),)))
+    assert len(told) == 1
+    for other in (
+        Scene((Layer("b", (line,)),)),
+        Scene((Layer("b", (replace(line, color="accent"),)),)),
+        Scene((Layer("b", (line,)), Layer("c", (line,)))),
+        Scene(),
+    ):
+        before = len(told)
+        session.scene.show_advice(other)
+        assert len(told) == before + 1
+        assert len(told[-1].layers) == len(other.layers)

@@ -102,3 +102,60 @@ def test_any_text_gives_a_number_or_a_refusal(text):
     except UserError:
         return
     assert isinstance(value, Fraction)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("10 cm", "mm", 100),
+        ("1.5m", "mm", 1500),
+        ("1/2 in", "mm", Fraction("12.7")),
+        ("2 * 3 in + 4 mm", "mm", Fraction("156.4")),
+        ("(1 + 2) cm / 4", "mm", Fraction("7.5")),
+        ("1 ft + 6″", "mm", Fraction("457.2")),
+        ("254 mm", "in", 10),
+        ("3 min", "s", 180),
+        ("3 cells", "cells", 3),
+    ],
+)
+def test_other_units_are_converted(text, unit, value):
+    assert compute(text, unit) == value
+
+
+def test_half_a_turn_is_pi():
+    assert float(compute("3.14159265358979 rad", "°")) == pytest.approx(180.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [("3 s", "mm"), ("3 mm", "°"), ("3 cm", ""), ("2 in * 3 in", "mm"), ("mm", "mm")],
+)
+def test_units_that_mean_nothing_here_are_refused(text, unit):
+    with pytest.raises(UserError):
+        compute(text, unit)
+
+
+@given(st.decimals(1, 10_000_000, places=2), st.sampled_from(" ,.\u202f'"), st.sampled_from(".,"))
+def test_thousands_are_read_as_they_are_written_anywhere(number, parting, point):
+    """Where both signs are there, nothing is left to guess."""
+    if parting == point:
+        return
+    text = f"{number:,.2f}".translate(str.maketrans({",": parting, ".": point}))
+    assert compute(text) == Fraction(number)
+
+
+@given(st.integers(1_000, 999_999))
+def test_a_comma_parts_thousands_where_it_does_in_that_country(number):
+    text = f"{number:,}"
+    assert compute(text, comma_parts=True) == number
+    assert compute(text) * 1000 == number  # else it is the decimal one
+
+
+@pytest.mark.parametrize("text", ["0,125", "12,5", "1234,567", "4,2615", "4.261"])
+def test_what_is_no_thousand_is_a_decimal_everywhere(text):
+    assert compute(text, comma_parts=True) == Fraction(text.replace(",", "."))
+
+
+def test_digits_of_other_keyboards():
+    assert compute("１２．５×２") == 25
+    assert compute("٣٫٥") == Fraction("3.5")

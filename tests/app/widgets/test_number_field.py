@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtCore import QEvent, QLocale, QPoint, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
@@ -74,6 +74,24 @@ def test_the_unit_may_be_typed_or_left_out(field, edits):
     typed(field, "80 mm")
     QTest.keyClick(field, Qt.Key.Key_Return)
     assert edits == [(80.0, False)]
+
+
+def test_another_unit_is_converted(field, edits):
+    typed(field, "8 cm")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    assert edits == [(80.0, False)]
+    assert field.text() == "80 mm"
+
+
+def test_a_comma_is_what_it_is_in_the_country(field):
+    default = QLocale()
+    try:
+        for country, value in ((QLocale("en_US"), 1234.0), (QLocale("de_DE"), 1.234)):
+            QLocale.setDefault(country)
+            assert field.valueFromText("1,234") == min(value, 400.0)
+            assert field.valueFromText("1.5") == field.valueFromText("1,5") == 1.5
+    finally:
+        QLocale.setDefault(default)
 
 
 def test_escape_restores(field, edits):

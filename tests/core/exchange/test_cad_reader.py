@@ -401,7 +401,9 @@ def test_loose_curves_are_told(tmp_path):
     assert "Left out: a curve" in read.left_out[0]
 
 
-@pytest.mark.parametrize("entry", ["SOLID", "COMPOUND", "=>[0:1:1:3]"])
+@pytest.mark.parametrize(
+    "entry", ["SOLID", "COMPOUND", "=>[0:1:1:3]", "Open CASCADE STEP translator 7.6 1.2"]
+)
 def test_what_the_library_calls_a_shape_is_no_name(tmp_path, entry):
     """A product of a body and curves beside it, as older programs write them."""
     text = nested(tmp_path / "a.step", "MM").read_text()

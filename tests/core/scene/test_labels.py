@@ -36,9 +36,17 @@ def test_at_the_right_border_it_stands_left_of_it(x):
     assert np.ptp(seen) == np.ptp(usual)
 
 
-def test_where_there_is_room_on_neither_side_it_begins_at_its_point():
+@pytest.mark.parametrize("x", [-20.0, 0.0, 30.0])
+def test_where_there_is_room_on_neither_side_it_is_seen_as_a_whole(x):
+    text = "A-pillar, foot: this mark disagrees"
+    seen, usual = columns(x, text), columns(-146.0, text)
+    assert np.ptp(usual) > 150, "neither half of the sheet has room for it"
+    assert np.ptp(seen) == np.ptp(usual)
+
+
+def test_what_is_wider_than_the_sheet_can_be_read_from_its_beginning():
     seen = columns(0.0, "A text that is much longer than the sheet is wide, whatever one does")
-    assert seen.min() > 150
+    assert seen.min() < 12
     assert seen.max() > SIZE[0] - 12
 
 

@@ -12,14 +12,16 @@ from bozzetto_product.loops.finding import find_loops
 from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.network.cutting import net_of
 from bozzetto_product.network.net import Net
+from bozzetto_product.network.outlines import outlines_of
 from tests.plugins.product.drawn_networks import DRAWN
 from tests.plugins.product.sketched_network import PLANE, edge_set
 
 
 def _points(net: Net, loop: tuple[tuple[int, bool], ...]) -> np.ndarray:
-    ends = [net.edges[edge].spline.control_points[:: 1 if on else -1] for edge, on in loop]
-    for first, second in zip(ends, ends[1:] + ends[:1], strict=True):
-        assert len(loop) == 1 or (first[-1] == second[0]).all()
+    for outline in outlines_of(net, loop):
+        ends = [net.edges[edge].spline.control_points[:: 1 if on else -1] for edge, on in outline]
+        for first, second in zip(ends, ends[1:] + ends[:1], strict=True):
+            assert len(outline) == 1 or (first[-1] == second[0]).all()
     return np.vstack([net.edges[edge].spline.sampled(9)[:: 1 if on else -1] for edge, on in loop])
 
 

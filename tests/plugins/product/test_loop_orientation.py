@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from bozzetto_product.loops.finding import find_loops
-from bozzetto_product.loops.orientation import orient_loops, reversed_loop
+from bozzetto_product.loops.orientation import orient_loops
 from bozzetto_product.network.net import Loop, Net
+from bozzetto_product.network.outlines import reversed_outline
 from tests.plugins.product.drawn_networks import DRAWN
 from tests.plugins.product.random_networks import cells
 from tests.plugins.product.sketched_network import Sketch
@@ -35,7 +36,7 @@ def test_a_closed_body_is_closed_and_faces_outward(seed: int) -> None:
     net = cells(seed).net()
     loops = find_loops(net).loops
     random = np.random.default_rng(seed)
-    mixed = [reversed_loop(each) if random.random() < 0.5 else each for each in loops]
+    mixed = [reversed_outline(each) if random.random() < 0.5 else each for each in loops]
     made = orient_loops(net, mixed)
     assert made.closed == (True,)
     assert not made.open_edges

@@ -145,7 +145,7 @@ class ViewLight(QWidget):
         """How much of the sheet's left is covered by something else, pixels."""
         self._palette: Palette = LIGHT
         self._area = QRect()
-        self._wide = 0
+        self._line = 0
         self.button = TurnButton(canvas)  # no child of the chip, which touches pass through
         self.button.clicked.connect(self.turn_chosen)
         self.hide()
@@ -200,8 +200,9 @@ class ViewLight(QWidget):
             first, stop, _ = said.partition(". ")
             said = first + stop.strip()
         self.words, taken = self._set_in_lines(said, most, metrics)
-        self._wide = taken.width()
-        width, height = around + self._wide, text_height(HEIGHT)
+        # Drawn in lines as they were measured: a line as wide as its words may lose the last one.
+        self._line = most + 1 if taken.height() <= metrics.height() else most
+        width, height = around + taken.width(), text_height(HEIGHT)
         centred = free.left() + (free.width() - width) // 2
         left = max(free.left() + MARGIN, min(centred, free.right() + 1 - beside - width))
         more = taken.height() - metrics.height()
@@ -247,7 +248,7 @@ class ViewLight(QWidget):
         self._paint_lamp(painter, lamp, self.advice.level)
         painter.setPen(qcolor(readable(tones.text, tones.text, tones.raised)))
         words = self.rect().adjusted(round(PADDING + LAMP + GAP), 0, 0, 0)
-        words.setWidth(self._wide)
+        words.setWidth(self._line)
         painter.drawText(words, WRAPPED | Qt.AlignmentFlag.AlignVCenter, self.words)
         painter.end()
 

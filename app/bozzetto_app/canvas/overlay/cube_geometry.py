@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import msgspec
 import numpy as np
 
 from bozzetto.arrays import Array
@@ -41,8 +41,7 @@ FACES: Final = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class SeenFace:
+class SeenFace(msgspec.Struct, frozen=True, eq=False):
     """A face that is turned to the eye.
 
     Attributes

@@ -23,6 +23,15 @@ FADE: Final = 400
 PLATE: Final = 16
 """How far the plate under the line reaches beyond it, pixels."""
 
+BESIDE: Final = 48
+"""Pixels beside the line that stay free, so that its plate is no band across the sheet."""
+
+NARROWER: Final = 4
+"""Pixels by which each side is moved in while the line has no more lines of text."""
+
+LOW: Final = 0.6
+"""Share of the sheet's height above the line: what a modeler shows on an empty sheet is there."""
+
 LARGER: Final = 1.5
 """Size of the line against the system's type."""
 
@@ -80,7 +89,8 @@ class SheetHint(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        room = self.rect().adjusted(self.left + PLATE, 0, -PLATE, 0)
+        high = round(LOW * self.height())
+        room = self.rect().adjusted(self.left + BESIDE, high, -BESIDE, 0)
         flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
         for larger in (LARGER, 1.0):
             font = self.font()
@@ -88,6 +98,13 @@ class SheetHint(QWidget):
             painter.setFont(font)
             words = painter.boundingRect(room, int(flags), self.text)
             if room.contains(words):
+                # As narrow as the lines allow: the last one is no lone word.
+                while room.width() > 2 * NARROWER:
+                    less = room.adjusted(NARROWER, 0, -NARROWER, 0)
+                    found = painter.boundingRect(less, int(flags), self.text)
+                    if found.height() > words.height() or not less.contains(found):
+                        break
+                    room, words = less, found
                 break
         else:
             return  # a strip beside the panels: the status line says the same

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, Qt
@@ -44,8 +44,7 @@ LONGEST_DASHED: Final = 100_000.0
 Points = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class MarkedLine:
+class MarkedLine(msgspec.Struct, frozen=True, eq=False):
     """A stroke as it is seen now, and what is wrong with it.
 
     Parameters

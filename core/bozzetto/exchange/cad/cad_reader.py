@@ -44,8 +44,12 @@ OTHER_FILE: Final = re.compile(
 )
 """A part of an assembly that a STEP file only names (ISO 10303-203, external references)."""
 
-UNNAMED: Final = re.compile(r"COMPOUND|COMPSOLID|SOLID|SHELL|FACE|WIRE|EDGE|=>\[[\d:]*\]")
-"""What the library calls shapes that the file does not name, such as several of one product."""
+UNNAMED: Final = re.compile(
+    r"COMPOUND|COMPSOLID|SOLID|SHELL|FACE|WIRE|EDGE|=>\[[\d:]*\]"
+    r"|Open CASCADE STEP translator [\d. ]+"
+)
+"""What the library calls shapes that nobody named: when it reads them, such as several of one
+product, and when a program writes them with it."""
 
 AUTOMATIC: Final = re.compile(r"(?:NAUO)?\d*", re.IGNORECASE)
 """What programs call an occurrence of a product if nobody gave it a name."""

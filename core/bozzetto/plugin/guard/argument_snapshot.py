@@ -46,27 +46,32 @@ class ArgumentSnapshot:
         waiting: list[Any] = list(arguments)
         seen: set[int] = set()
         for value in waiting:
-            if isinstance(value, LEAVES) or id(value) in seen:
+            kind = type(value)
+            way = _ways.get(kind) or _way_of(kind)
+            if way == "leaf" or id(value) in seen:
                 continue
-            if isinstance(value, Scene) and not value.is_made:
+            if way == "scene" and not value.is_made:
                 continue  # nobody else has what the plugin may make of it
             if len(seen) == MOST_OBJECTS:
                 return
             seen.add(id(value))
-            if isinstance(value, tuple):
+            if way == "tuple":
                 waiting.extend(value)
-            elif isinstance(value, list | dict):
+            elif way == "list":
                 self._containers.append((value, copy.copy(value)))
-                waiting.extend(value.values() if isinstance(value, dict) else value)
-            elif isinstance(value, np.ndarray):
+                waiting.extend(value)
+            elif way == "dict":
+                self._containers.append((value, copy.copy(value)))
+                waiting.extend(value.values())
+            elif way == "array":
                 if value.flags.writeable:
                     self._writable.append((value, value.copy()))
             else:
-                names, read = _fields(type(value))
+                names, read = _fields(kind)
                 if names:
                     values = read(value)
                     self._objects.append((value, names, values))
-                    waiting.extend([value.camera] if isinstance(value, Stroke) else values)
+                    waiting.extend([value.camera] if way == "stroke" else values)
 
     def restore(self) -> list[str]:
         """Put everything back.
@@ -109,6 +114,20 @@ def _entries(container: Any) -> list[Any]:
     if isinstance(container, dict):
         return [part for pair in container.items() for part in pair]
     return list(container)
+
+
+_ways: dict[type[Any], str] = {}
+
+
+def _way_of(kind: type[Any]) -> str:
+    """Return how objects of a type are followed; a call looks at a thousand of few types."""
+    ways = (
+        (LEAVES, "leaf"), (Scene, "scene"), (tuple, "tuple"), (list, "list"), (dict, "dict"),
+        (np.ndarray, "array"), (Stroke, "stroke"),
+    )  # fmt: skip
+    way = next((way for kinds, way in ways if issubclass(kind, kinds)), "fields")
+    _ways[kind] = way
+    return way
 
 
 Reader = Callable[[Any], tuple[Any, ...]]

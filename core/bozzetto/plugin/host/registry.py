@@ -11,11 +11,11 @@ from __future__ import annotations
 import threading
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import msgspec
 from msgspec.structs import asdict, replace
 
 from bozzetto.errors import DocumentError, UserError, words_of
@@ -45,8 +45,7 @@ GROUP: Final = "bozzetto.plugins"
 """Entry-point group; the value is the package that holds plugin.toml."""
 
 
-@dataclass(eq=False)
-class _Plugin:
+class _Plugin(msgspec.Struct, eq=False):
     """One plugin, with its manifest and, once imported, its modelers."""
 
     package: str
@@ -57,7 +56,7 @@ class _Plugin:
     infos: tuple[ModelerInfo, ...] = ()
     modelers: dict[str, Modeler[Any, Any]] | None = None
     id_taken: bool = False
-    loading: threading.Lock = field(default_factory=threading.Lock)
+    loading: threading.Lock = msgspec.field(default_factory=threading.Lock)
 
     @property
     def id(self) -> str:

@@ -46,6 +46,9 @@ def draw_label(canvas: Canvas, item: Label, palette: Palette) -> None:
 def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
     """Return where a text begins: right of its point, or left of it where only there is room.
 
+    Where there is room on neither side, it ends where the sheet does, and goes beyond on the right
+    only what is wider than the sheet.
+
     Parameters
     ----------
     x : float
@@ -55,9 +58,10 @@ def beginning(x: float, wide: float, sheet: float, offset: float) -> float:
     offset : float
         Distance from the point, px.
     """
-    left = x - offset - wide
-    fits = x + offset + wide <= sheet or not 0.0 <= x <= sheet
-    return left if not fits and left >= 0.0 else x + offset
+    left, right = x - offset - wide, x + offset
+    if right + wide <= sheet or not 0.0 <= x <= sheet:
+        return right
+    return left if left >= 0.0 else min(right, max(0.0, sheet - wide))
 
 
 def _mask(text: str, size: float, rim: int) -> tuple[NDArray[np.float32], int, int]:

@@ -57,6 +57,29 @@ def test_a_sentence_is_whole_on_a_narrow_sheet(canvas, session, width):
     assert not place.intersects(canvas.cube.geometry())
 
 
+@pytest.mark.parametrize("words", range(3, 14))
+@pytest.mark.parametrize("scale", [1.0, 1.5, 2.0])
+def test_what_has_room_in_one_line_is_drawn_in_one(canvas, session, words, scale):
+    """Advances are no whole pixels: the last word went to a second line, beyond the chip."""
+    said = " ".join(["Draw", "a", "line", "on", "the", "body,", "from", "any", "side."] * 2)
+    said = " ".join(said.split()[:words])
+    session.advice.say(ViewAdvice("good", said))
+    light = canvas.light
+    assert light.words == said
+    picture = QImage(
+        round(scale * light.width()), round(scale * light.height()), QImage.Format.Format_RGB888
+    )
+    picture.setDevicePixelRatio(scale)
+    picture.fill(Qt.GlobalColor.white)
+    light.render(picture)
+    rows = np.frombuffer(picture.constBits(), np.uint8).reshape(picture.height(), -1)
+    rows = rows[:, : 3 * picture.width()].reshape(picture.height(), picture.width(), 3)
+    inside = rows[:, round(36 * scale) : -round(16 * scale)].astype(int)
+    dark = np.flatnonzero((inside.sum(axis=2) < 300).any(axis=1)) / scale
+    assert len(dark)
+    assert np.ptp(dark) < light.fontMetrics().height()
+
+
 def test_what_a_point_of_a_car_is_called_has_room(canvas, session):
     """On a sheet of 1100 px, as in a window of 1600, none of the 400 points is cut short."""
     canvas.resize(1100, 800)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto_car.body.drag import drag_handle, drag_node, drag_place
+from bozzetto_car.body.drag import drag_handle, drag_node, drag_place, drag_places
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.network import Network, edge_called, node_called
 from tests.plugins.car.traced_car import symmetric, view
@@ -37,6 +37,23 @@ def test_in_a_plane_they_go_to_where_the_ray_meets_it(kind: Kind) -> None:
     goal = camera.on_plane(pixel[None], (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))[0]
     assert moved[1] == 0.0
     assert np.abs(moved - goal).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_go_where_each_one_goes_by_itself(kind: Kind) -> None:
+    rng = np.random.default_rng(1)
+    camera = view(50.0, 20.0, kind)
+    places, pixels = rng.normal((2000, 0, 700), 600, (60, 3)), rng.uniform(0, 800, (60, 2))
+    free = np.array([(True, True, True), (True, False, True), (False, True, False)])[
+        np.arange(60) % 3
+    ]
+    moved = drag_places(places, pixels, camera, free)
+    alone = [
+        drag_place(*each[:2], camera, each[2]) for each in zip(places, pixels, free, strict=True)
+    ]
+    # The nearest place on a line is where a square is least: it is known to half of the digits.
+    np.testing.assert_allclose(moved, alone, rtol=0.0, atol=1e-4)
+    np.testing.assert_array_equal(moved[~free], places[~free])
 
 
 def test_in_a_plane_seen_edge_on_they_do_not_fly_away() -> None:

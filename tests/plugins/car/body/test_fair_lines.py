@@ -8,6 +8,9 @@ import pytest
 from bozzetto.geometry.patches import coons_nets, crease_angles
 from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, smooth_chains
 from bozzetto_car.body.fair_lines import (
+    SUNK,
+    crested,
+    crests,
     double_bends,
     fair_network,
     straightened,
@@ -159,3 +162,37 @@ def test_lines_do_not_leap_while_nodes_move(name: str) -> None:
         moves = np.linalg.norm(np.diff(points, axis=0), axis=-1)
         assert farthest < 2.0
         assert moves.max() <= 3.0 * farthest
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_lines_do_not_leap_where_their_highest_node_sinks_to_a_neighbour(name: str) -> None:
+    """The line was level there, or as the rest has it, from one half millimetre to the next."""
+    template = bundled(name)
+    judged = 0
+    for seed in (20, 21):
+        places = trembling(template, seed)
+        for joint in crests(template):
+            pair = [joint.node, int(template.mirrored[joint.node])]
+            level = places[list(joint.neighbours), 2].max()
+            made = []
+            for height in (0.75, 0.25, -0.25, -0.75):
+                places[pair, 2] = level + height
+                made.append(fair_network(template, places).control_points)
+            moves = np.linalg.norm(np.diff(made, axis=0), axis=-1)
+            assert moves.max() <= 3.0 * 0.5
+            judged += 1
+    assert judged >= 2
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_a_node_far_below_its_neighbour_is_no_crest(name: str) -> None:
+    """Its line is as fair as any other's, and not level."""
+    template = bundled(name)
+    for joint in crests(template):
+        places = trembling(template, 22)
+        pair = [joint.node, int(template.mirrored[joint.node])]
+        places[pair, 2] = places[list(joint.neighbours), 2].max() - SUNK - 1.0
+        before = straightened(anneal(turned_with_chords(template, places)))
+        after = crested(before)
+        for end in (joint.before, joint.after):
+            np.testing.assert_array_equal(after.tangents[end], before.tangents[end])

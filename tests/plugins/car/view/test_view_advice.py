@@ -262,6 +262,18 @@ def test_through_its_sketch_the_body_is_so_thin_that_the_drawing_shows(known):
     assert body(state, aside) == []
 
 
+def test_asked_again_it_shows_the_very_same_items(known):
+    """A view that goes along asks twice about each frame: the sheet is drawn once."""
+    picture = Picture.of(np.full((40, 60, 4), 200, np.uint8), "sketch")
+    state = known.with_node(replace(known.sketch, picture=picture))
+    one, other = (advised(state, through(state)).scene.layers for _ in range(2))
+    assert {layer.name for layer in one} == {"body", "wheels", "network", "handles"}
+    assert [layer.items for layer in one] == [layer.items for layer in other]
+    revealed = advised(replace(state, revealed="C3"), through(state)).scene.layers
+    changed = [a.name for a, b in zip(one, revealed, strict=True) if a.items != b.items]
+    assert changed == ["handles"]
+
+
 def test_too_few_marks_for_a_camera_are_no_warning_but_useless_ones_are():
     assert advised(guided(FRONT, 5), through(guided(FRONT, 5))).level == "good"
     places = places_of(FRONT)
