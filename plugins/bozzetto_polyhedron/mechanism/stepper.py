@@ -268,8 +268,7 @@ class Stepper:
         away = pull.target - place - pose.h * speed
         force = pull.stiffness * away - pull.damping * speed
         size = float(np.linalg.norm(force))
-        kept = min(1.0, pull.limit / size) if size > 0.0 else 1.0
-        force = kept * force - (1.0 - kept) * pull.damping * _aside(speed, pull.target - place)
+        force *= min(1.0, pull.limit / size) if size > 0.0 else 1.0
         given = np.zeros((len(motion.places), 6))
         given[pull.body] = pose.softened[pull.body] @ (slope.T @ (pose.h * force))
         return _pushed(motion, pose, given)
@@ -338,16 +337,6 @@ def _pushed(motion: Motion, pose: _Pose, given: Array) -> Motion:
     return replace(
         motion, velocities=motion.velocities + given[:, :3], momenta=motion.momenta + turned
     )
-
-
-def _aside(speed: Array, way: Array) -> Array:
-    """Return a speed without its part towards the pen, which the largest force alone limits.
-
-    What cannot reach the pen would swing about the nearest place for long: there the pull is as
-    large as it may be, and would leave nothing for damping.
-    """
-    along = way / max(1e-300, float(np.linalg.norm(way)))
-    return np.asarray(speed - max(0.0, float(speed @ along)) * along)
 
 
 def _slope_at(motion: Motion, pull: Pull) -> Array:
