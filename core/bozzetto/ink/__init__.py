@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from bozzetto.ink.oversketch.snake import oversketch_curve as oversketch_curve
     from bozzetto.ink.same_view import SAME_VIEW as SAME_VIEW
     from bozzetto.ink.same_view import carried_places as carried_places
+    from bozzetto.ink.same_view import drawn_at as drawn_at
     from bozzetto.ink.same_view import is_one_view as is_one_view
     from bozzetto.ink.same_view import on_canvas as on_canvas
     from bozzetto.ink.same_view import on_sheet_of as on_sheet_of
@@ -87,7 +88,8 @@ else:
             "bozzetto.ink.oversketch.ordered_feet": "FEET_LAPS ordered_feet",
             "bozzetto.ink.oversketch.snake": "DEFAULT_FORCES Oversketched SnakeForces "
             "oversketch_curve",
-            "bozzetto.ink.same_view": "SAME_VIEW carried_places is_one_view on_canvas on_sheet_of",
+            "bozzetto.ink.same_view": "SAME_VIEW carried_places drawn_at is_one_view "
+            "on_canvas on_sheet_of",
             "bozzetto.ink.stroke": "Stroke Strokes",
         },
     )

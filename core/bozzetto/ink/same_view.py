@@ -55,7 +55,7 @@ def on_canvas(stroke: Stroke, camera: Camera) -> Stroke:
     """Return a stroke as it would be on the canvas of a camera of the same view."""
     if stroke.camera == camera:
         return stroke
-    return _drawn_at(stroke, carried_places(stroke.points, stroke.camera, camera), camera)
+    return drawn_at(stroke, carried_places(stroke.points, stroke.camera, camera), camera)
 
 
 def on_sheet_of(stroke: Stroke, camera: Camera) -> Stroke:
@@ -68,10 +68,10 @@ def on_sheet_of(stroke: Stroke, camera: Camera) -> Stroke:
     if is_one_view(stroke.camera, camera):
         return on_canvas(stroke, camera)
     places = stroke.camera.on_plane(stroke.points, camera.target, camera.axes[2])
-    return _drawn_at(stroke, camera.project(places)[0], camera)
+    return drawn_at(stroke, camera.project(places)[0], camera)
 
 
-def _drawn_at(stroke: Stroke, places: Array, camera: Camera) -> Stroke:
+def drawn_at(stroke: Stroke, places: Array, camera: Camera) -> Stroke:
     """Return a stroke with the same pen at other places (n, 2) px, on another canvas."""
     x, y = places.T
     return Stroke(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -171,6 +171,20 @@ class Draft:
         """The cost, and more where the lines should be those of solids and are not."""
         parts = self.fits.few != FEW_LINES
         return self.cost + (0.0 if parts or self.is_whole else NOT_WHOLE)
+
+    @property
+    def meeting_ends(self) -> Hashable:
+        """Which ends of lines meet in one corner, whatever the numbers of lines and corners."""
+        ends: dict[int, set[tuple[Members, bool]]] = {}
+        for each in self.lines.values():
+            for corner, last in ((each.start, False), (each.stop, True)):
+                ends.setdefault(corner, set()).add((each.line.members, last))
+        return frozenset(map(frozenset, ends.values()))
+
+    @property
+    def groups(self) -> frozenset[Members]:
+        """Which segments are one line."""
+        return frozenset(each.line.members for each in self.lines.values())
 
     def fits_now(self, change: Change) -> bool:
         """Whether all lines that the change removes are still there."""

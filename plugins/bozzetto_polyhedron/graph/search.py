@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Final
 
 from bozzetto.arrays import Flags
 from bozzetto_polyhedron.graph.clustering import clustered
 from bozzetto_polyhedron.graph.dashes import rows_of_dashes
-from bozzetto_polyhedron.graph.draft import Draft, Joined, draft_of, refitted
+from bozzetto_polyhedron.graph.draft import NOT_WHOLE, Draft, Joined, draft_of, refitted
 from bozzetto_polyhedron.graph.grouping import ACROSS_DASHES, Members, dashed, grouped
 from bozzetto_polyhedron.graph.likelihood import FEW_LINES, Fits, Spread
 from bozzetto_polyhedron.graph.repair import LEAST_GAIN, repair
@@ -85,22 +85,35 @@ def best_draft(
                 )
             starts.append(first_draft(groups[key], fits))
     many = min(len(each.lines) for each in starts) > MANY_LINES
-    best: Draft | None = None
+    found: dict[Hashable, Draft] = {}
     left = MOST_PRICED
     for number, start in enumerate(diverse(starts, 1 if many else MOST_MENDED)):
         mended, priced = settled(start, every, checkpoint, left)
         left -= priced
-        best = mended if best is None else min(best, mended, key=_doubt)
+        known = found.setdefault(mended.meeting_ends, mended)
+        found[mended.meeting_ends] = min(known, mended, key=_doubt)
+        best = min(found.values(), key=_doubt)
         if best.is_whole or (number and best.loose > MOST_LOOSE) or left <= 0:
             break
-    assert best is not None
+    best = min(found.values(), key=_doubt)
     if best.loose <= MOST_LOOSE:
-        best = with_detours(best, checkpoint, left)
+        others = [draft for draft in found.values() if draft.doubt < best.doubt + NOT_WHOLE]
+        others.sort(key=_doubt)
+        for number, draft in enumerate(others):
+            made, priced = with_detours(draft, checkpoint, left // (len(others) - number))
+            left -= priced
+            best = min(best, made, key=_doubt)
+            if best.is_whole or left <= 0:
+                break
     return with_best_spread(best, every)
 
 
 def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     """Choose the likeliest draft, one of another spread and overshoot, then others.
+
+    Of drafts in which the same ends meet only the likeliest one is chosen, for all are mended to
+    the same. Those that take other segments for one line come before others: steps seldom find
+    them.
 
     Parameters
     ----------
@@ -109,20 +122,32 @@ def diverse(starts: Sequence[Draft], most: int) -> list[Draft]:
     most : int
         How many to choose.
     """
-    ordered = sorted(starts, key=lambda each: each.cost)
+    likeliest: dict[Hashable, Draft] = {}
+    for each in sorted(starts, key=lambda each: each.cost):
+        likeliest.setdefault(each.meeting_ends, each)
+    ordered = list(likeliest.values())
     first = ordered[0].fits.spread
     other = [
         each
         for each in ordered
         if each.fits.spread.across != first.across and each.fits.spread.overshoot != first.overshoot
     ][:1]
-    return [ordered[0], *other, *(each for each in ordered[1:] if each not in other)][:most]
+    chosen = [ordered[0], *other]
+    groups = {each.groups for each in chosen}
+    for each in ordered:
+        if each.groups not in groups:
+            groups.add(each.groups)
+            chosen.append(each)
+    return [*chosen, *(each for each in ordered if each not in chosen)][:most]
 
 
 def settled(
     draft: Draft, every: Sequence[Fits], checkpoint: Callable[[], None], most: int
 ) -> tuple[Draft, int]:
     """Repair a draft, choose its likeliest spread, and so on until neither changes.
+
+    Steps lower the cost, and may make lines of solids others: where the draft was less in doubt
+    before them, it stays.
 
     Parameters
     ----------
@@ -140,7 +165,7 @@ def settled(
     Draft, int
         The second value is how many steps were priced.
     """
-    priced = 0
+    priced, before = 0, draft.copied()
     for _ in range(MOST_SPREADS):
         priced += repair(draft, checkpoint)
         better = with_best_spread(draft, every)
@@ -149,6 +174,8 @@ def settled(
         draft = better
         if priced >= most:
             break
+    if not draft.is_whole:
+        draft = min(draft, with_best_spread(before, every), key=_doubt)
     return draft, priced
 
 

@@ -26,8 +26,12 @@ MOST_FROM_WHOLE: Final = 12
 """First steps that are tried from any other draft."""
 
 
-def with_detours(draft: Draft, checkpoint: Callable[[], None], most_priced: int) -> Draft:
+def with_detours(
+    draft: Draft, checkpoint: Callable[[], None], most_priced: int
+) -> tuple[Draft, int]:
     """Return a draft that is beyond doubt more than this one, if one or two steps lead there.
+
+    The second value is how many steps were priced.
 
     Parameters
     ----------
@@ -59,7 +63,7 @@ def with_detours(draft: Draft, checkpoint: Callable[[], None], most_priced: int)
                 break
         else:
             break
-    return draft
+    return draft, priced
 
 
 def _first_steps(draft: Draft, every: Iterable[Change]) -> list[Change]:

@@ -31,7 +31,12 @@ from bozzetto_polyhedron.reconstruction.ranking import (
     confidences,
     traits_of,
 )
-from bozzetto_polyhedron.reconstruction.readings import Reading, readings, seen_from_above
+from bozzetto_polyhedron.reconstruction.readings import (
+    Reading,
+    lead_over_others,
+    readings,
+    seen_from_above,
+)
 from bozzetto_polyhedron.reconstruction.visibility import is_marked
 
 Checkpoint = Callable[[float, str], None]
@@ -85,8 +90,10 @@ def answers_of(
     if not found or most < 1:
         return (_flat(drawing, graph, camera),)
     marked = is_marked(drawing)
-    traits = traits_of(found[0].features, len(drawing.lines), drawing.noise)
-    shares = confidences(np.array([each.score for each in found]), evidence_of(drawing), traits)
+    traits = traits_of(found[0].features, drawing.lines, drawing.noise)
+    values = np.array([each.score for each in found])
+    apart = lead_over_others(view.drawing, found)
+    shares = confidences(values, evidence_of(drawing), traits, apart)
     shares = graph.certainty * shares
     ranked: list[tuple[Reading, float]] = list(zip(found, shares.tolist(), strict=True))
     doubted = _by_looks(found)

@@ -39,12 +39,17 @@ GAP: Final = 0.7
 """Standard deviation of how far a ring that lies in a face is drawn from it, in units of the noise
 of a corner, in 120 drawings of holes."""
 
+FREEDOM: Final = 4.0
+"""Degrees of freedom of Student's distribution of these gaps: the noise is itself estimated from
+few corners, and the depth of a ring follows from lines whose errors it has in common, so that of
+holes in strokes one in twenty is drawn off by three standard deviations."""
+
 APART: Final = 0.8
 """Gap, in units of the noise, from which on it is also asked whether a ring lies beside a face."""
 
-BESIDE: Final = 3.5
-"""What a ring costs that lies close beside a face and not in it, nats: floors are of any thickness,
-of which twenty times the noise is usual, and holes are commoner."""
+BESIDE: Final = 3.0
+"""What a ring costs that lies beside a face and not in it, nats: floors are of any thickness, of
+which twenty times the noise is usual (log 20). So it costs however thick the floor is."""
 
 WORST: Final = 12.0
 """What a gap costs at most, nats."""
@@ -288,7 +293,7 @@ def _ways(
         depths, misfit = system.solved([levels[option]])
         if misfit > tolerance / abs(float(planes[option.face][1][2])):
             continue
-        seats, gaps = [option], [0.0]
+        seats, gaps, is_beside = [option], [0.0], False
         for other in options:
             level, corners = levels[other]
             if all(other.face != s.face and other.ring != s.ring for s in seats):
@@ -296,7 +301,11 @@ def _ways(
                 if off < tolerance / abs(float(planes[other.face][1][2])):
                     seats.append(other)
                     gaps.append(_gap(drawing, off, planes[other.face][1]))
-        costs = [min(WORST, 0.5 * (gap / GAP) ** 2) for gap in gaps]
+                else:
+                    is_beside = True
+        costs = [_gap_cost(gap) for gap in gaps]
+        if is_beside and len(seats) == 1:
+            costs[0] = BESIDE
         for chosen, cost in _with_and_without(seats, gaps, costs):
             key = frozenset(chosen)
             if key in seen:
@@ -322,6 +331,12 @@ def _gap(drawing: Drawing, off: float, normal: Array) -> float:
     """
     upright = abs(float(normal[2]))
     return off * upright * float(np.sqrt(max(0.0, 1.0 - upright**2))) / max(1e-6, drawing.noise)
+
+
+def _gap_cost(gap: float) -> float:
+    """Return what a gap costs that a ring in a face is drawn with, nats."""
+    odds = 1.0 + (gap / GAP) ** 2 / FREEDOM
+    return min(WORST, 0.5 * (FREEDOM + 1.0) * float(np.log(odds)))
 
 
 def _with_and_without(

@@ -16,6 +16,7 @@ from bozzetto_polyhedron.model.assign_stroke import with_strokes
 from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet, where_seen
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.kept_poses import at_rest_here
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
 from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.solve.standing import stood
@@ -42,7 +43,11 @@ class DrawLines(ErasingTool):
 
     @override
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
-        """Add ink to the drawing or the solid that it belongs to, or begin a new drawing."""
+        """Add ink to the drawing or the solid that it belongs to, or begin a new drawing.
+
+        What has moved is at rest from then on as it was drawn upon.
+        """
+        state = at_rest_here(state, context.sources)
         for stroke in ink.strokes:
             stroke = where_seen(stroke, state, context.seen)
             added = with_added(state, stroke)
@@ -58,10 +63,10 @@ class DrawLines(ErasingTool):
         """Return what lines that meet a solid would make of it."""
         if not isinstance(gesture, Ink):
             return Scene()
-        made = state
+        made = resting = at_rest_here(state, context.sources)
         for stroke in gesture.strokes:
             made = with_added(made, stroke) or made
-        return Scene() if made is state else scene_after(made, context.sources)
+        return Scene() if made is resting else scene_after(made, context.sources)
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:

@@ -17,6 +17,7 @@ from bozzetto_polyhedron.mechanism.pieces import TOGETHER, Shape
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Fitting, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.solve.aiming import Aim, aim_at
+from bozzetto_polyhedron.solve.kept_poses import AT_REST
 from bozzetto_polyhedron.solve.moving import TO_MOVE, Moving, has_bodies, moving, moving_bodies
 from bozzetto_polyhedron.solve.picking import REACH
 from bozzetto_polyhedron.solve.spots import spot_at
@@ -33,8 +34,6 @@ BESIDE: Final = 0.1
 
 PLACES: Final = 33
 """Places along an axis at which it is looked for bodies."""
-
-AT_REST: Final = "This is drawn where everything is at rest. Choose “Back to rest” first."
 
 
 class _JoiningTool(ErasingTool):

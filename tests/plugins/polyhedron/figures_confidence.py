@@ -29,7 +29,8 @@ NAMES = {
 
 def said(each: Outcome) -> float:
     """Return the confidence of a first reading."""
-    return each.certainty * confidence_of_first(each.lead, each.evidence, each.traits)
+    told = confidence_of_first(each.lead, each.evidence, each.traits, each.apart)
+    return each.certainty * told
 
 
 def rows(name: str, every: list[Outcome]) -> None:

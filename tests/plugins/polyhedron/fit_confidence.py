@@ -42,6 +42,7 @@ from bozzetto_polyhedron.reconstruction.ranking import (
     lead_of,
     traits_of,
 )
+from bozzetto_polyhedron.reconstruction.readings import lead_over_others
 from tests.plugins.polyhedron.fit_ranking import NOISES
 from tests.plugins.polyhedron.objects import CAMERA, View, graph_of, is_right, made, view
 
@@ -81,15 +82,17 @@ from typing import Final
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """The first reading of one drawing: its lead and traits, and whether it is right.
+    """The first reading of one drawing: its leads and traits, and whether it is right.
 
-    The certainty is that of the lines: 1 where they are given.
+    The certainty is that of the lines: 1 where they are given. Apart is the lead over readings of
+    other shapes, which this fit leaves out.
     """
 
     evidence: str
     lead: float
     traits: np.ndarray
     right: bool
+    apart: float = 0.0
     certainty: float = 1.0
 
 
@@ -144,8 +147,9 @@ def judged(
         }
         right = faces == seen.solid.face_sets() and is_right(seen, shape, noise, mirrored)
     lead = lead_of(np.array([each.score for each in found]))
-    traits = traits_of(first.features, len(drawing.lines), drawing.noise)
-    return Outcome(evidence_of(drawing), lead, traits, right, graph.certainty)
+    traits = traits_of(first.features, drawing.lines, drawing.noise)
+    apart = lead_over_others(sight.drawing, found)
+    return Outcome(evidence_of(drawing), lead, traits, right, apart, graph.certainty)
 
 
 def fitted(every: Sequence[Outcome]) -> Fit:
@@ -201,7 +205,7 @@ def text_of(made: Fit) -> str:
 
 
 def told(fit: Fit, each: Outcome) -> float:
-    """Return what a fit says of a first reading, as ``ranking.confidence_of_first`` does."""
+    """Return what a fit says of a first reading, before ``fit_corrections``."""
     low, high, weights = fit.traits.T
     odds = np.interp(each.lead, KNOTS, fit.odds[EVIDENCE.index(each.evidence)])
     return float(1.0 / (1.0 + np.exp(-odds - np.clip(each.traits, low, high) @ weights)))

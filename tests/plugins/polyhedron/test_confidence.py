@@ -51,12 +51,12 @@ def test_a_bin_that_is_too_sure_is_off() -> None:
     lead = next(each for each in np.arange(0.0, 6.0, 0.1) if sure(float(each), traits) > 0.5)
     share = sure(float(lead), traits)
     for right, holds in ((share, True), (share - 0.3, False), (min(1.0, share + 0.3), False)):
-        found = [Outcome("plain", float(lead), traits, k < 100 * right) for k in range(100)]
+        found = [Outcome("plain", float(lead), traits, k < 100 * right, lead) for k in range(100)]
         assert (off(found) < 0.0) == holds
 
 
 def sure(lead: float, traits: np.ndarray) -> float:
-    return said(Outcome("plain", lead, traits, True))
+    return said(Outcome("plain", lead, traits, True, lead))
 
 
 @pytest.mark.slow

@@ -7,13 +7,17 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from bozzetto.ink import Stroke
 from bozzetto_polyhedron.graph import search, steps
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.graph.planar_embedding import is_whole, neighbors_of
 from bozzetto_polyhedron.graph.segments import Segments
 from bozzetto_polyhedron.graph.step_pairs import with_detours
+from tests.plugins.polyhedron.cad_parts import part
 from tests.plugins.polyhedron.graph_truth import is_right
-from tests.plugins.polyhedron.objects import OBJECTS
+from tests.plugins.polyhedron.hand import SIZE, Hand, strokes_of
+from tests.plugins.polyhedron.machine_parts import machine_part
+from tests.plugins.polyhedron.objects import OBJECTS, TO_CANVAS, Polyhedron, made, view
 from tests.plugins.polyhedron.untidy_parts import untidy
 from tests.plugins.polyhedron.workshop_parts import workshop_part
 
@@ -25,7 +29,7 @@ def test_two_steps_find_what_one_after_the_other_does_not(monkeypatch: pytest.Mo
     monkeypatch.setattr(steps, "on_another_line", lambda around, corner: iter(()))
     strokes, places, edges = untidy(workshop_part("octagonal shaft with collar", 80_001), 80_001)
     assert is_right(searched(strokes).graph, places, edges)
-    monkeypatch.setattr(search, "with_detours", lambda draft, checkpoint, most: draft)
+    monkeypatch.setattr(search, "with_detours", lambda draft, checkpoint, most: (draft, 0))
     assert not is_right(searched(strokes).graph, places, edges)
 
 
@@ -36,9 +40,45 @@ def test_a_detour_never_leads_to_more_doubt_and_leaves_the_draft_as_it_is(name: 
     draft = searched(strokes).draft
     assert draft is not None
     before, cost = dict(draft.lines), draft.cost
-    assert with_detours(draft, lambda: None, 20_000).doubt <= draft.doubt
+    assert with_detours(draft, lambda: None, 20_000)[0].doubt <= draft.doubt
     assert draft.lines == before
     assert draft.cost == cost
+
+
+@pytest.mark.slow
+def test_detours_begin_at_other_drafts_than_the_likeliest(monkeypatch: pytest.MonkeyPatch) -> None:
+    strokes, places, edges = clean(machine_part("boss with hole", 406), 406)
+    assert is_right(searched(strokes).graph, places, edges)
+    monkeypatch.setattr(search, "NOT_WHOLE", 1e-9)
+    assert not is_right(searched(strokes).graph, places, edges)
+
+
+@pytest.mark.slow
+def test_starts_that_are_mended_join_other_ends_and_other_segments() -> None:
+    """Four starts of the likeliest lines in other spreads were mended to the same before."""
+    strokes, places, edges = clean(made(61_108), 61_108)
+    assert is_right(searched(strokes).graph, places, edges)
+
+
+@pytest.mark.slow
+def test_lines_of_solids_stay_where_steps_would_lead_to_lines_of_none() -> None:
+    strokes, places, edges = clean(part("channel with hole", 61_001), 61_001)
+    draft = searched(strokes).draft
+    assert draft is not None
+    assert draft.is_whole
+    assert is_right(searched(strokes).graph, places, edges)
+
+
+def clean(
+    solid: Polyhedron | None, seed: int
+) -> tuple[tuple[Stroke, ...], np.ndarray, list[tuple[int, int]]]:
+    """Draw a solid with 1 % of jitter, hidden lines lightly: its strokes, corners and edges."""
+    seen = None if solid is None else view(solid, seed)
+    assert seen is not None
+    edges = [(int(a), int(b)) for a, b in seen.solid.edges]
+    hidden = np.flatnonzero(seen.hidden > 0.5).tolist()
+    strokes = strokes_of(seen.plane * TO_CANVAS, edges, Hand(jitter=0.01), seed, hidden)
+    return strokes, seen.plane * TO_CANVAS * SIZE + 200.0, edges
 
 
 @pytest.mark.slow
