@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6 import QtWidgets
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent, QIcon
 from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
@@ -497,6 +498,23 @@ def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, 
     qtbot.waitUntil(lambda: not canvas.viewports.is_proving, timeout=10000)
     assert "Software" in canvas.describe_viewport()
     assert canvas.grab_picture().width() == 300
+
+
+def test_opengl_is_imported_when_no_class_of_qt_is_left_to_be_made(qtbot, session, monkeypatch):
+    """Else the worker that imports it and the window would make some at the same time."""
+    left = []
+
+    def import_nothing(job):
+        left.append([name for name in dir(QtWidgets) if name not in vars(QtWidgets)])
+        raise ImportError("left out")
+
+    monkeypatch.setenv("BOZZETTO_VIEWPORT", "gl")
+    monkeypatch.setattr("bozzetto_app.canvas.viewport.switching._import_gl", import_nothing)
+    canvas = Canvas(session, LIGHT)
+    qtbot.addWidget(canvas)
+    canvas.show()
+    qtbot.waitUntil(lambda: bool(left), timeout=20000)
+    assert left == [[]]
 
 
 def test_opengl_that_fails_later_gives_way_to_the_software(session, canvas, qtbot, box_scene):

@@ -17,6 +17,7 @@ from bozzetto_app.canvas.viewport.protocol import (
 from bozzetto_app.canvas.viewport.software import SoftwareViewport
 from bozzetto_app.canvas.viewport.thickness_channel import ThicknessChannel
 from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.qt_classes import QtClasses
 
 if TYPE_CHECKING:
     from bozzetto.plugin.job import Job
@@ -67,6 +68,8 @@ class Viewports(QObject):
         self._style: tuple[Shading, bool] = ("clay", True)
         self._rising: GLViewport | None = None
         self._imports = Channel("import-gl", parent=self)
+        self._classes = QtClasses(self)
+        self._classes.made.connect(self._import)
         self.thickness = ThicknessChannel(self)
         """Measures the scene while it is shown in the colours of its thickness."""
         self.thickness.changed.connect(self._show_measured)
@@ -175,7 +178,10 @@ class Viewports(QObject):
         """Look whether OpenGL works, now that the window is on the screen."""
         self.first_painted.emit()
         if choose_backend() == "gl":
-            self._imports.submit(Request(_import_gl, self._raise_gl, self._missing))
+            self._classes.start()
+
+    def _import(self) -> None:
+        self._imports.submit(Request(_import_gl, self._raise_gl, self._missing))
 
     def _missing(self, problem: BaseException) -> None:
         # PyOpenGL raises AttributeError where the system has no GL library at all.
