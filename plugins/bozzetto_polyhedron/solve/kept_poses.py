@@ -25,7 +25,7 @@ from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.followed import Sources, key_of
 from bozzetto_polyhedron.solve.moving import Moving, as_held, moving
-from bozzetto_polyhedron.solve.pipeline import graph_of_visible_ink, never, solved
+from bozzetto_polyhedron.solve.pipeline import graph_of_ink, never, solved
 from bozzetto_polyhedron.solve.placing import placement_of, taken_by
 from bozzetto_polyhedron.solve.spots import corner_near, place_of, spot_at
 
@@ -171,13 +171,13 @@ def _redrawn(body: Body, places: Array) -> tuple[Body, Array]:
     The ink of each bar is turned with it. Where corners are found from it follows from all ink that
     meets there, so it is then brought nearer to them, step by step.
     """
-    camera, graph = camera_of(body), graph_of_visible_ink(body.strokes, never)
+    camera, graph = camera_of(body), graph_of_ink(body.strokes, never)
     meant: Array = camera.project(body.placement.inverse().points(places))[0]
     extent = float(np.linalg.norm(np.ptp(meant, axis=0)))
     ink, nearest = body.strokes, float("inf")
     trial = _carried(body.strokes, graph, graph.places, meant)
     for _ in range(ROUNDS):
-        found = graph_of_visible_ink(trial, never)
+        found = graph_of_ink(trial, never)
         same = _same_corners(graph, found, meant)
         if same is None:
             break

@@ -103,12 +103,10 @@ def solved(
     """Solve one body.
 
     A drawing that nobody turned yet ends with its lines as long as they look wrong, and in a
-    preview: they are what a person who draws has to see at once. So does one of flat bars.
+    preview: they are what a person who draws has to see at once.
     """
     if body.choice is None and quality == "preview":
         return Solved(graph_while_drawn(body.strokes, checkpoint))
-    if body.moves == "flat":
-        return Solved(graph_of_visible_ink(body.strokes, checkpoint))
     graph = graph_of_ink(body.strokes, checkpoint)
     if body.choice is None and graph.health:
         return Solved(graph)
@@ -255,10 +253,7 @@ def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
 
 @remembered(limit=16, key=_without_checkpoint)
 def graph_of_visible_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
-    """Return the lines of a drawing whose corners may have one or two lines.
-
-    So it is where hidden ones are left out, and of flat bars.
-    """
+    """Return the lines of a drawing in which hidden ones are left out."""
     return in_order(searched(strokes, checkpoint=checkpoint, only_visible=True).graph)
 
 
