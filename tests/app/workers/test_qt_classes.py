@@ -51,4 +51,3 @@ def test_none_is_left_when_a_worker_begins_and_the_window_goes_on_meanwhile():
     assert min(said["before"]) > 100
     assert said["after"] == [[0, 0, 0], [0, 0, 0]]
     assert said["turns"] > 5
-
