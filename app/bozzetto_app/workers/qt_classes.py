@@ -24,7 +24,7 @@ class QtClasses(QObject):
     PySide makes a class when it is first asked for, and goes through a table of those to be made
     while Python code runs. Where a worker imports pyqtgraph, which asks for all of them, and the
     window happens to ask for another one meanwhile, the table changes below the worker, and the
-    process dies (seen once in thousands of starts).
+    process may die.
 
     Signals
     -------

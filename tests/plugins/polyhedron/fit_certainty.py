@@ -18,7 +18,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +33,7 @@ from bozzetto_polyhedron.graph.second_reading import closest_other
 from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron import cad_parts
 from tests.plugins.polyhedron.fine_parts import FINE, fine_part
-from tests.plugins.polyhedron.fit_confidence import BINS
+from tests.plugins.polyhedron.fit_confidence import rows_of_traits, table_of
 from tests.plugins.polyhedron.graph_truth import is_right
 from tests.plugins.polyhedron.hand import SIZE, UNTIDY, Hand, strokes_of
 from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
@@ -169,13 +168,7 @@ def said_unseen(every: Sequence[Lines]) -> np.ndarray:
 def held_out(every: Sequence[Lines]) -> str:
     """Return a table of what is said of drawings that a fit has not seen."""
     said, right = said_unseen(every), np.array([each.right for each in every])
-    lines = ["| said | right | drawings |", "| --- | --- | --- |"]
-    for low, high in pairwise(BINS):
-        here = (said >= low) & (said < high)
-        if here.any():
-            means = 100.0 * said[here].mean(), 100.0 * right[here].mean()
-            lines.append("| {:.1f} % | {:.1f} % | {} |".format(*means, here.sum()))
-    return "\n".join(lines)
+    return table_of(said, right)
 
 
 def text_of(fit: Fit) -> str:
@@ -184,12 +177,7 @@ def text_of(fit: Fit) -> str:
         f"LOG_ODDS: Final = {fit.odds:.4g}",
         '"""Log odds that lines are right, without their traits."""\n',
         "TRAITS: Final = {",
-        *(
-            f'    "{name}": {tuple(float(f"{value:.4g}") for value in row)},'
-            for name, row in zip(TRAITS, fit.traits, strict=True)
-        ),
-        "}",
-        '"""Of each trait the least and the largest value, and what it adds to the log odds."""\n',
+        *rows_of_traits(TRAITS, fit.traits),
     ]
     return HEADER + "\n".join(lines)
 

@@ -181,6 +181,18 @@ def fitted(every: Sequence[Outcome]) -> Fit:
     return Fit(odds, np.column_stack((low, high, weights)))
 
 
+def rows_of_traits(names: Sequence[str], traits: np.ndarray) -> list[str]:
+    """Return the lines of a module with the numbers of traits, (n, 3), and what they are."""
+    return [
+        *(
+            f'    "{name}": {tuple(float(f"{value:.4g}") for value in row)},'
+            for name, row in zip(names, traits, strict=True)
+        ),
+        "}",
+        '"""Of each trait the least and the largest value, and what it adds to the log odds."""\n',
+    ]
+
+
 def text_of(made: Fit) -> str:
     """Return the module that keeps a fit."""
     lines = [
@@ -194,12 +206,7 @@ def text_of(made: Fit) -> str:
         "}",
         '"""Log odds that the first answer is right, by `Evidence`, without its traits."""\n',
         "TRAITS: Final = {",
-        *(
-            f'    "{name}": {tuple(float(f"{value:.4g}") for value in row)},'
-            for name, row in zip((*FEATURES, *DRAWN), made.traits, strict=True)
-        ),
-        "}",
-        '"""Of each trait the least and the largest value, and what it adds to the log odds."""\n',
+        *rows_of_traits((*FEATURES, *DRAWN), made.traits),
     ]
     return HEADER + "\n".join(lines)
 
@@ -222,9 +229,8 @@ def said_unseen(every: Sequence[Outcome]) -> np.ndarray:
     return np.clip(said, LEAST, MOST)
 
 
-def held_out(every: Sequence[Outcome]) -> str:
-    """Return a table of what is said of drawings that a fit has not seen."""
-    said, right = said_unseen(every), np.array([each.right for each in every])
+def table_of(said: np.ndarray, right: np.ndarray) -> str:
+    """Return a table of how sure of drawings, (n,), a fit was, and how many were right."""
     lines = ["| said | right | drawings |", "| --- | --- | --- |"]
     for low, high in pairwise(BINS):
         here = (said >= low) & (said < high)
@@ -232,6 +238,12 @@ def held_out(every: Sequence[Outcome]) -> str:
             means = 100.0 * said[here].mean(), 100.0 * right[here].mean()
             lines.append("| {:.1f} % | {:.1f} % | {} |".format(*means, here.sum()))
     return "\n".join(lines)
+
+
+def held_out(every: Sequence[Outcome]) -> str:
+    """Return a table of what is said of drawings that a fit has not seen."""
+    said, right = said_unseen(every), np.array([each.right for each in every])
+    return table_of(said, right)
 
 
 def main(count: int) -> None:

@@ -18,7 +18,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +31,7 @@ from bozzetto_polyhedron.reconstruction.ranking import (
     corrected_traits,
 )
 from tests.plugins.polyhedron.figures_families import FAMILIES, family_of, loss, outcome
-from tests.plugins.polyhedron.fit_confidence import BINS, Outcome
+from tests.plugins.polyhedron.fit_confidence import Outcome, rows_of_traits, table_of
 
 SEEDS = (
     *range(830_000, 830_800),
@@ -118,13 +117,7 @@ def said_unseen(found: dict[int, Outcome]) -> np.ndarray:
 def held_out(found: dict[int, Outcome]) -> str:
     """Return a table of what is said of families that a fit has not seen."""
     said, right = said_unseen(found), np.array([each.right for each in found.values()])
-    lines = ["| said | right | drawings |", "| --- | --- | --- |"]
-    for low, high in pairwise(BINS):
-        here = (said >= low) & (said < high)
-        if here.any():
-            means = 100.0 * said[here].mean(), 100.0 * right[here].mean()
-            lines.append("| {:.1f} % | {:.1f} % | {} |".format(*means, here.sum()))
-    return "\n".join([*lines, f"\nMean negative log-likelihood: {loss(right, said):.4f}."])
+    return f"{table_of(said, right)}\n\nMean negative log-likelihood: {loss(right, said):.4f}."
 
 
 def text_of(made: Corrections) -> str:
@@ -133,12 +126,7 @@ def text_of(made: Corrections) -> str:
         f"BIAS: Final = {made.bias:.4g}",
         '"""Log odds that the first answer is right, without what follows."""\n',
         "CORRECTIONS: Final = {",
-        *(
-            f'    "{name}": {tuple(float(f"{value:.4g}") for value in row)},'
-            for name, row in zip(CORRECTED, made.traits, strict=True)
-        ),
-        "}",
-        '"""Of each trait the least and the largest value, and what it adds to the log odds."""\n',
+        *rows_of_traits(CORRECTED, made.traits),
     ]
     return HEADER + "\n".join(lines)
 
