@@ -29,8 +29,8 @@ def shapes_of(
 ) -> Shapes:
     """Return every body that is shown and has faces, in the frame of the model; or their pages.
 
-    One that moves as bars is a rod for each, and one that moves as plates a face for each, as
-    soon as they have moved; names stay the same then, and a rod or a face keeps its shape.
+    One that moves as bars is a rod for each, and one that moves as plates, or is folded, a face for
+    each, as soon as they have moved; names stay the same then, and a rod or a face keeps its shape.
     """
     if state.files != "solids":
         return Shapes(curves=page_curves(state, results))
@@ -47,11 +47,12 @@ def shapes_of(
             continue
         placement = Placement()
         if machine is not None and body.id in machine.numbers:
-            motion = machine.motion(state.moved)
-            if body.moves == "flat" or (state.moved is not None and body.moves != "whole"):
+            motion, number = machine.motion(state.moved), machine.numbers[body.id]
+            stays = machine.machine.shapes[number].moves
+            if stays == "flat" or (state.moved is not None and stays != "whole"):
                 breps += _pieces(body, machine, motion)
                 continue
-            placement = taken_by(machine, machine.numbers[body.id], motion)
+            placement = taken_by(machine, number, motion)
         if found.changed is None:
             continue
         made = found.changed

@@ -74,6 +74,8 @@ class _Course:
         The model as the last step left it, and from which start; written by the worker.
     taken : Model
         As the document has it.
+    title : str
+        Of the step of the history: that of the tool, also when other tools are in the rail by now.
     key : str
         Of the step of the history.
     plays : bool
@@ -82,8 +84,11 @@ class _Course:
         Seconds moved per second passed, lately; written by the worker.
     """
 
-    def __init__(self, model: Model, tool: str, key: str, hand: _Hand, *, plays: bool) -> None:
-        self.model_id, self.tool, self.key, self.plays = model.id, tool, key, plays
+    def __init__(
+        self, model: Model, tool: str, title: str, key: str, hand: _Hand, *, plays: bool
+    ) -> None:
+        self.model_id, self.tool, self.title, self.key = model.id, tool, title, key
+        self.plays = plays
         self.hand = hand
         self.start = self.newest = (0, model)
         self.taken = model
@@ -239,7 +244,8 @@ class Motion(QObject):
             self._notices.complain(UserError(said))
             return
         key = f"motion {next(self._numbers)}"
-        course = self._course = _Course(model, tool_id, key, hand, plays=plays)
+        title = next(tool.title for tool in self._toolbox.tools if tool.id == tool_id)
+        course = self._course = _Course(model, tool_id, title, key, hand, plays=plays)
 
         def failed(problem: BaseException) -> None:
             self.stop()
@@ -308,13 +314,12 @@ class Motion(QObject):
         if present is not course.taken:
             course.start, course.taken = (course.start[0] + 1, present), present
         elif count == course.start[0] and newest is not present:
-            titles = (tool.title for tool in self._toolbox.tools if tool.id == course.tool)
             try:
                 document = self._drawing.document.with_model(newest)
             except UserError as problem:  # it would follow itself
                 self._notices.complain(problem)
                 return False
-            self._drawing.commit(next(titles, course.tool), document, course.key)
+            self._drawing.commit(course.title, document, course.key)
             course.taken, course.changed = self._present(course) or newest, True
         return True
 

@@ -14,9 +14,19 @@ from bozzetto.view import Camera
 from bozzetto_polyhedron.mechanism.assembly import square_to
 from bozzetto_polyhedron.mechanism.fittings import frame_of
 from bozzetto_polyhedron.mechanism.pieces import TOGETHER, Shape
-from bozzetto_polyhedron.model.fittings import Coil, Crank, Fitting, Hinge, Link, Pin, Slider, Trace
-from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.solve.aiming import Aim, aim_at
+from bozzetto_polyhedron.model.fittings import (
+    Coil,
+    Crank,
+    Fitting,
+    Hinge,
+    Link,
+    Pin,
+    Slider,
+    Trace,
+)
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.aiming import Aim, aim_at, corner_spot
+from bozzetto_polyhedron.solve.folds import fold_at, with_largest_held
 from bozzetto_polyhedron.solve.kept_poses import AT_REST
 from bozzetto_polyhedron.solve.moving import TO_MOVE, Moving, has_bodies, moving, moving_bodies
 from bozzetto_polyhedron.solve.picking import REACH
@@ -31,6 +41,10 @@ INSIDE: Final = 1e-3
 
 BESIDE: Final = 0.1
 """Distance of an axis from a body of another object, by the largest extent, that it still joins."""
+
+TURNS: Final = (
+    "It turns about this axis: pull a corner with “Move”, or give it a motor under “Parameters”."
+)
 
 PLACES: Final = 33
 """Places along an axis at which it is looked for bodies."""
@@ -170,16 +184,40 @@ class DrawHinge(_JoiningTool):
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
         """Return the axis between two bodies; of one alone, with the one that it touches.
 
-        Along an edge that two plates of one body share it is a fold of that body.
+        Along an edge at which faces of one body can turn it is a fold of that body.
         """
         if not begin.spot.body:
             begin, end = end, begin
+        edge = fold_at(made, begin, end)
+        if edge is not None:
+            body: Body = state.node(begin.spot.body)
+            number = made.number_of(body.id)
+            if number is None:
+                raise UserError(f"This body is gone. {self.hint}")
+            one, other = (made.machine.shapes[number].vertices[corner] for corner in edge)
+            ends = corner_spot(state, body, one), corner_spot(state, body, other)
+            return Hinge(begin=ends[0], end=ends[1], second=body.id)
         second = end.spot.body
-        number = made.number_of(second)
-        folds = number is not None and made.machine.fold_between(number, begin.place, end.place)
-        if second == begin.spot.body and not folds:
+        if second == begin.spot.body:
             second = _neighbour(state, made, begin, end)
         return Hinge(begin=begin.spot, end=end.spot, second=second)
+
+    @override
+    def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
+        """Add hinges; the largest piece of a body that they fold is held, where nothing is yet."""
+        drawn = super().draw(state, ink, context)
+        for hinge in drawn.of_kind(Hinge):
+            if hinge.second == hinge.begin.body and hinge not in state.nodes:
+                drawn = with_largest_held(drawn, context.sources, drawn.node(hinge.second))
+        return drawn
+
+    @override
+    def next_step(self, state: PolyhedronState) -> NextStep:
+        """Return the hint; once a hinge is there, what to do with it."""
+        chosen = state.chosen_of(Hinge)
+        if chosen is not None and state.moved is None:
+            return NextStep(TURNS, tool="move")
+        return super().next_step(state)
 
 
 class DrawSlider(_JoiningTool):
@@ -224,7 +262,9 @@ class DrawCrank(_JoiningTool):
         if made.machine.bar_between(number, begin.place, end.place) is None:
             raise UserError(f"There is no bar between these corners. {self.hint}")
         if frame_of(made.machine, number, begin.place, end.place, frozenset()) is None:
-            raise UserError("This corner hangs free. Hold it with the moving tool first.")
+            raise UserError(
+                "This corner hangs free. Touch it with “Move” to hold it, then draw the motor."
+            )
         return Crank(begin=begin.spot, end=end.spot)
 
 
