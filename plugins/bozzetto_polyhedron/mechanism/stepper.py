@@ -260,15 +260,23 @@ class Stepper:
         )
 
     def _pulled(self, motion: Motion, pose: _Pose, pull: Pull) -> Motion:
-        """Return the motion after the pen has pulled, implicitly: a stiff spring stays calm."""
+        """Return the motion after the pen has pulled, implicitly: a stiff spring stays calm.
+
+        Only what pulls towards the pen has a limit. What is as near to a pen beyond reach as joints
+        let it come would swing about there like a pendulum, were the damping across the pull
+        limited as well.
+        """
         slope = _slope_at(motion, pull) * self._freedoms
         velocity = self._velocities(motion, pose.inverse)[pull.body]
-        place = motion.places[pull.body] + motion.turns[pull.body] @ pull.point
+        away = pull.target - motion.places[pull.body] - motion.turns[pull.body] @ pull.point
         speed = slope @ velocity
-        away = pull.target - place - pose.h * speed
-        force = pull.stiffness * away - pull.damping * speed
-        size = float(np.linalg.norm(force))
-        force *= min(1.0, pull.limit / size) if size > 0.0 else 1.0
+        far = float(np.linalg.norm(away))
+        towards = away / far if far > 0.0 else np.zeros(3)
+        speed_towards = float(towards @ speed)
+        along = pull.stiffness * (far - pose.h * speed_towards) - pull.damping * speed_towards
+        stiffness = min(pull.stiffness, pull.limit / far) if far > 0.0 else pull.stiffness
+        across = (pose.h * stiffness + pull.damping) * (speed - speed_towards * towards)
+        force = float(np.clip(along, -pull.limit, pull.limit)) * towards - across
         given = np.zeros((len(motion.places), 6))
         given[pull.body] = pose.softened[pull.body] @ (slope.T @ (pose.h * force))
         return _pushed(motion, pose, given)
