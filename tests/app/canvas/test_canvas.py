@@ -87,16 +87,15 @@ def test_the_view_tilts_from_where_it_has_gone_to_the_shape(session, canvas, qtb
     assert session.view.camera == there
 
 
-def test_the_view_tilts_from_where_it_goes_along(session, canvas, qtbot, monkeypatch):
+def test_the_view_tilts_from_where_it_goes_along(session, canvas, qtbot):
     """Advice on the first solid came while the view tilted, which it did not follow then."""
-    waits = [True]
-    monkeypatch.setattr(type(session.advice), "may_follow", property(lambda _: waits[0]))
+    session.advice.may_follow = True
     session.solver.settled.emit("m1")
     qtbot.wait(50)
     assert not canvas.motion.is_running
     there = standard_view(session.view.camera, "right")
     session.view.set_camera(there)
-    waits[0] = False
+    session.advice.may_follow = False
     qtbot.waitUntil(lambda: canvas.motion.is_running, timeout=3000)
     arrived(canvas, qtbot)
     assert session.view.camera == there
