@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
@@ -41,6 +41,9 @@ INSIDE: Final = 1e-3
 
 BESIDE: Final = 0.1
 """Distance of an axis from a body of another object, by the largest extent, that it still joins."""
+
+ALONG: Final = 0.98
+"""Cosine of the angle on the sheet within which a way is that of an edge."""
 
 TURNS: Final = (
     "It turns about this axis: pull a corner with “Move”, or give it a motor under “Parameters”."
@@ -231,11 +234,40 @@ class DrawSlider(_JoiningTool):
     noun = "Slider"
 
     @override
+    def _aims(
+        self, state: PolyhedronState, made: Moving, camera: Camera, pixels: Array
+    ) -> tuple[Aim, Aim]:
+        """Return both ends; into the open along the edge of a solid that is seen to lead there."""
+        begin, end = super()._aims(state, made, camera, pixels)
+        number = made.number_of(begin.spot.body)
+        if number is None or end.spot.body:
+            return begin, end
+        shape = made.machine.shapes[number]
+        if shape.moves != "whole" or not len(shape.edges):
+            return begin, end
+        corner = int(np.argmin(np.linalg.norm(shape.vertices - begin.place, axis=1)))
+        edges = shape.edges[(shape.edges == corner).any(axis=1)]
+        ways = shape.vertices[edges.sum(axis=1) - corner] - shape.vertices[corner]
+        ways = np.concatenate((ways, -ways))
+        seen = camera.project(np.vstack((begin.place, begin.place + ways)))[0]
+        drawn, lead = pixels[1] - seen[0], seen[1:] - seen[0]
+        lengths = np.maximum(np.linalg.norm(lead, axis=1), SHORT)
+        likeness = lead @ drawn / (lengths * max(float(np.linalg.norm(drawn)), SHORT))
+        best = int(np.argmax(likeness))
+        if not likeness[best] > ALONG:
+            return begin, end
+        place = begin.place + ways[best] * float(np.linalg.norm(drawn)) / lengths[best]
+        return begin, Aim(spot_at(place, None), place)
+
+    @override
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
-        """Return the guide; what slides is the corner where it begins."""
-        if not begin.spot.body:
+        """Return the guide; what slides is the corner where it begins, or a solid as a drawer."""
+        number = made.number_of(begin.spot.body)
+        if number is None:
             raise UserError(f"It must begin on a body. {self.hint}")
-        return Slider(begin=begin.spot, end=end.spot)
+        solid = made.machine.shapes[number].moves == "whole"
+        turning: Literal["free", "locked"] = "locked" if solid else "free"
+        return Slider(begin=begin.spot, end=end.spot, turning=turning)
 
 
 class DrawCrank(_JoiningTool):
