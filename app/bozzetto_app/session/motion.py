@@ -60,6 +60,11 @@ class _Hand(NamedTuple):
     context: Context
 
 
+def _beginning(drag: Drag | None) -> tuple[float, float] | None:
+    """Return where a drag began, px: what it took hold of, it took hold of there."""
+    return None if drag is None else (float(drag.path.x[0]), float(drag.path.y[0]))
+
+
 class _Course:
     """One motion, between the window and its worker.
 
@@ -259,12 +264,16 @@ class Motion(QObject):
         self.channel.submit(Request(work, ended, failed, "preview"))
 
     def _go_on(self, course: _Course, job: Job) -> None:
-        """Take steps until nothing is held and nothing plays; in the worker."""
+        """Take steps until nothing is held and nothing plays; in the worker.
+
+        What plays goes on where a drag holds nothing, which is told: corners that move are missed.
+        """
         bench = self._workbench
         count, model = course.start
         tool = bench.tool(model.modeler, course.tool)
         last = measured = perf_counter()
         moved = 0.0
+        missed: tuple[float, float] | None = None
         while True:
             begun, hand = perf_counter(), course.hand
             if course.start[0] != count:
@@ -275,7 +284,17 @@ class Motion(QObject):
                 course.pace = moved / (begun - measured)
                 moved, measured = 0.0, begun
             job.checkpoint(0.0, tool.title)
-            model = bench.step(model, tool, hand.held, seconds, hand.context)
+            held, began = hand.held, _beginning(hand.held)
+            if began == missed:
+                held = None
+            try:
+                model = bench.step(model, tool, held, seconds, hand.context)
+            except UserError as problem:
+                if held is None or not course.plays:
+                    raise
+                missed = began
+                call_on_main_thread(self, self._notices.complain, problem)
+                continue
             course.newest = (count, model)
             if not course.is_told:
                 course.is_told = True
