@@ -52,6 +52,9 @@ FIGURES: Final[Mapping[str, Figure]] = {
 OF_SOLIDS: Final = ("closed", "genus", "answers", "answer", "confidence", "residual_px")
 """What the report does not say of bars that lie flat: nobody meant them as a solid."""
 
+OF_BARS: Final = ("loose end", "corner of two lines", "open faces")
+"""What is no fault of bars that lie flat: their lines may end anywhere, and two make a joint."""
+
 
 def report_of(
     state: PolyhedronState, results: Mapping[str, Solved], sources: Sources, job: Job
@@ -67,9 +70,9 @@ def report_of(
         likeliest first: ``"confidence"`` and ``"vertices"``), ``"answer"`` (which of them is
         shown, counted from 1; 0 for none), ``"confidence"``, ``"residual_px"``, ``"noise_px"``,
         ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``; of bars that lie flat
-        without `OF_SOLIDS`. The same of all
-        bodies in ``"bodies"``, each with its ``"id"`` and ``"name"``. Where something moves,
-        ``"mechanism"``: ``"pieces"``, ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
+        without `OF_SOLIDS` and findings `OF_BARS`. The same of all bodies in ``"bodies"``, each
+        with its ``"id"`` and ``"name"``. Where something moves, ``"mechanism"``: ``"pieces"``,
+        ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
     """
     bodies = [body for body in state.of_kind(Body) if body.id in results]
     entries = []
@@ -150,6 +153,7 @@ def _entry(body: Body, found: Solved) -> dict[str, Any]:
         "health": [
             {"place": list(each.place), "what": each.what, "sentence": each.sentence}
             for each in graph.health
+            if body.moves != "flat" or each.what not in OF_BARS
         ],
         "told": list(_told(found)),
     }

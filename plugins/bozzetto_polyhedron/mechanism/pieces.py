@@ -494,7 +494,8 @@ def rigid_faces(faces: Sequence[Rings], folds: Folds | None) -> Index:
         for begin, end in sides_of(rings):
             edge = (min(begin, end), max(begin, end))
             if edge in at_edge and edge not in folds:
-                groups[groups == groups[face]] = groups[at_edge[edge]]
+                one, other = groups[face], groups[at_edge[edge]]
+                groups[groups == max(one, other)] = min(one, other)
             at_edge[edge] = face
     return np.unique(groups, return_inverse=True)[1]
 

@@ -48,7 +48,7 @@ GRAVITY: Final = 9.81
 
 TO_MOVE: Final = (
     "Touch a corner of a drawing to turn it into a solid, or choose “Bars, flat as drawn” under "
-    "“Moves as”."
+    "“Parameters”, “Moves as”."
 )
 """What makes something move where nothing does yet."""
 
