@@ -20,6 +20,7 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of
+from bozzetto_polyhedron.solve.bars import OF_BARS
 from bozzetto_polyhedron.solve.followed import Sources, followed_bodies
 from bozzetto_polyhedron.solve.forces import forces_of
 from bozzetto_polyhedron.solve.moving import MOST_POSES, NOTHING, is_mechanism, moving
@@ -51,9 +52,6 @@ FIGURES: Final[Mapping[str, Figure]] = {
 
 OF_SOLIDS: Final = ("closed", "genus", "answers", "answer", "confidence", "residual_px")
 """What the report does not say of bars that lie flat: nobody meant them as a solid."""
-
-OF_BARS: Final = ("loose end", "corner of two lines", "open faces")
-"""What is no fault of bars that lie flat: their lines may end anywhere, and two make a joint."""
 
 
 def report_of(

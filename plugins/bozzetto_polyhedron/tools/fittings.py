@@ -26,6 +26,7 @@ from bozzetto_polyhedron.model.fittings import (
 )
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.aiming import Aim, aim_at, corner_spot
+from bozzetto_polyhedron.solve.bars import is_of_bars, with_bars_at
 from bozzetto_polyhedron.solve.folds import fold_at, with_largest_held
 from bozzetto_polyhedron.solve.kept_poses import AT_REST
 from bozzetto_polyhedron.solve.moving import TO_MOVE, Moving, has_bodies, moving, moving_bodies
@@ -63,6 +64,8 @@ class _JoiningTool(ErasingTool):
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Add what this tool draws, from where each stroke begins to where it ends."""
         for stroke in ink.strokes:
+            ends = [(float(x), float(y)) for x, y in stroke.points[[0, -1]]]
+            state = with_bars_at(state, stroke.camera, *ends)
             made = moving_bodies(state, context.sources, "join")
             if state.moved is not None and not self.while_moved:
                 raise UserError(AT_REST)
@@ -97,7 +100,7 @@ class _JoiningTool(ErasingTool):
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing can be joined yet, that."""
-        if not has_bodies(state):
+        if not has_bodies(state) and not any(map(is_of_bars, state.shown(Body))):
             return NextStep(TO_MOVE, tool="turn")
         return NextStep(self.hint)
 
