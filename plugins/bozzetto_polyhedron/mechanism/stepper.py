@@ -73,7 +73,7 @@ class Pull:
     damping : float
         N s/m.
     limit : float
-        Largest force, N.
+        Largest force towards the pen, N; what damps is not limited.
     """
 
     body: int
