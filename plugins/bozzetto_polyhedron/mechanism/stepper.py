@@ -49,9 +49,9 @@ HALVINGS: Final = 5
 SETTLED: Final = 1e-9
 """Change of a turn between two rounds, rad, at which the middle of a step is known."""
 
-STRAINED: Final = 15.0
+STRAINED: Final = 10.0
 """Share of velocity that what a pen pulls at loses per second, 1/s, where it is far beyond reach:
-1.5 weights at 1 m/s, of the eight with which the pen pulls."""
+one weight at 1 m/s, of the eight with which the pen pulls."""
 
 TORN: Final = 0.5
 """Gap, in extents of the mechanism, from which on there is no hope of closing it in this step."""
@@ -73,7 +73,7 @@ class Pull:
     damping : float
         N s/m.
     limit : float
-        Largest force towards the pen, N; what damps is not limited.
+        Largest force, N.
     """
 
     body: int
@@ -264,23 +264,15 @@ class Stepper:
         )
 
     def _pulled(self, motion: Motion, pose: _Pose, pull: Pull) -> Motion:
-        """Return the motion after the pen has pulled, implicitly: a stiff spring stays calm.
-
-        Only what pulls towards the pen has a limit. What is as near to a pen beyond reach as joints
-        let it come would swing about there like a pendulum, were the damping across the pull
-        limited as well.
-        """
+        """Return the motion after the pen has pulled, implicitly: a stiff spring stays calm."""
         slope = _slope_at(motion, pull) * self._freedoms
         velocity = self._velocities(motion, pose.inverse)[pull.body]
-        away = pull.target - motion.places[pull.body] - motion.turns[pull.body] @ pull.point
+        place = motion.places[pull.body] + motion.turns[pull.body] @ pull.point
         speed = slope @ velocity
-        far = float(np.linalg.norm(away))
-        towards = away / far if far > 0.0 else np.zeros(3)
-        speed_towards = float(towards @ speed)
-        along = pull.stiffness * (far - pose.h * speed_towards) - pull.damping * speed_towards
-        stiffness = min(pull.stiffness, pull.limit / far) if far > 0.0 else pull.stiffness
-        across = (pose.h * stiffness + pull.damping) * (speed - speed_towards * towards)
-        force = float(np.clip(along, -pull.limit, pull.limit)) * towards - across
+        away = pull.target - place - pose.h * speed
+        force = pull.stiffness * away - pull.damping * speed
+        size = float(np.linalg.norm(force))
+        force *= min(1.0, pull.limit / size) if size > 0.0 else 1.0
         given = np.zeros((len(motion.places), 6))
         given[pull.body] = pose.softened[pull.body] @ (slope.T @ (pose.h * force))
         return _pushed(motion, pose, given)
@@ -354,7 +346,8 @@ def _pushed(motion: Motion, pose: _Pose, given: Array) -> Motion:
 def _strained(motion: Motion, pull: Pull | None) -> float:
     """Return the share of velocity that is lost per second since the pen is beyond reach, 1/s.
 
-    All that hangs between what it holds and what stands still swings like a taut string.
+    What it holds swings there like a pendulum about the place that is nearest to it, for the limit
+    leaves nothing of what damps it; and all between that and what stands still like a taut string.
     """
     if pull is None:
         return 0.0
