@@ -11,7 +11,7 @@ import threading
 import time
 from typing import Final
 
-__all__ = ["GAP", "awake_time", "wait_awake"]
+__all__ = ["awake_time", "wait_awake"]
 
 GAP: Final = 1.0
 """Seconds that count at most between two looks at the clock."""
