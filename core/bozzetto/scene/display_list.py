@@ -244,6 +244,11 @@ class Layer:
         return np.stack((np.min(low, axis=0), np.max(high, axis=0)))
 
     @cached_property
+    def marks(self) -> tuple[Handle | Label, ...]:
+        """Its handles and labels."""
+        return tuple(item for item in self.items if isinstance(item, Handle | Label))
+
+    @cached_property
     def corners(self) -> NDArray[np.float64]:
         """The corners of its images, (n, 3) mm."""
         images = [_extent(item) for item in self.items if isinstance(item, Image)]

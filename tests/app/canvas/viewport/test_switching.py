@@ -534,3 +534,30 @@ def test_what_lies_on_the_card_is_given_back(qtbot):
     assert not any(GL.glIsProgram(program) for program in programs)
     assert not any(GL.glIsBuffer(buffer) for buffer in buffers)
     viewport.doneCurrent()
+
+
+@pytest.mark.gl
+def test_what_opengl_cannot_do_is_noticed(qtbot, monkeypatch):
+    """It is asked once a picture, not after each call."""
+    if choose_backend() != "gl":
+        pytest.skip("no OpenGL here")
+    from OpenGL import GL
+
+    from bozzetto_app.canvas.viewport.opengl_items import SurfaceItem
+
+    viewport = gl_viewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.show()
+    qtbot.waitExposed(viewport)
+    viewport.set_scene(scene_of(Shaded(sphere(30.0))))
+    viewport.grab()
+    draw = SurfaceItem.passes
+
+    def fails(item, *given):
+        draw(item, *given)
+        GL.glEnable(0xFFFF)
+
+    monkeypatch.setattr(SurfaceItem, "passes", fails)
+    with qtbot.waitSignal(viewport.failed):
+        viewport.update()
