@@ -548,10 +548,11 @@ def test_what_opengl_cannot_do_is_noticed(qtbot, monkeypatch):
     viewport = gl_viewport()
     qtbot.addWidget(viewport)
     viewport.resize(*SIZE)
-    viewport.show()
-    qtbot.waitExposed(viewport)
+    viewport.set_palette(LIGHT)
+    viewport.set_camera(CAMERA)
     viewport.set_scene(scene_of(Shaded(sphere(30.0))))
-    viewport.grab()
+    with qtbot.waitSignal(viewport.proved):
+        viewport.show()
     draw = SurfaceItem.passes
 
     def fails(item, *given):
@@ -559,5 +560,6 @@ def test_what_opengl_cannot_do_is_noticed(qtbot, monkeypatch):
         GL.glEnable(0xFFFF)
 
     monkeypatch.setattr(SurfaceItem, "passes", fails)
-    with qtbot.waitSignal(viewport.failed):
+    with qtbot.waitSignal(viewport.failed) as told:
         viewport.update()
+    assert "OpenGL error" in told.args[0]
