@@ -109,8 +109,7 @@ def open_sample(modeler: str, stem: str, folder: Path) -> Window:
 
 def close(window: Window) -> None:
     """Close a window without a question."""
-    window._closing = True
-    window.close()
+    window.close_without_asking()
     window.deleteLater()
     window.session.deleteLater()
     QApplication.processEvents()

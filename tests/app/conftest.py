@@ -170,8 +170,7 @@ def make_window(qtbot, tmp_path, settle, _tidy):
 
     yield make
     for window in made:
-        window._closing = True
-        window.close()
+        window.close_without_asking()
         window.keeper.wait()
         window.deleteLater()
         window.session.deleteLater()

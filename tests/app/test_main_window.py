@@ -418,8 +418,7 @@ def test_a_window_closed_during_work_ends_quietly(make_window, boxes, qtbot, set
     window = make_window(MODELER, extra=[boxes.package])
     Stylus(window.canvas).draw(circle())
     qtbot.waitUntil(begun.is_set, timeout=10_000)
-    window._closing = True
-    window.close()
+    window.close_without_asking()
     assert not window.isVisible()
     settle(window.session)
 
@@ -457,8 +456,7 @@ class Probed(w.Window):
 
     def finish(self):
         self.look.stop()
-        self._closing = True
-        self.close()
+        self.close_without_asking()
 
 import bozzetto_app.startup as start
 start.Window = Probed
