@@ -88,9 +88,17 @@ class Keeper(QObject):
     session : Session
     folder : Path
         Where recovery data lie; survives a restart of the machine.
+    tasks : Queue, optional
+        From which the thread that writes takes what it does, in order; None ends it. By default
+        one of its own.
     """
 
-    def __init__(self, session: Session, folder: Path) -> None:
+    def __init__(
+        self,
+        session: Session,
+        folder: Path,
+        tasks: queue.Queue[Callable[[], None] | None] | None = None,
+    ) -> None:
         super().__init__(session)
         self._drawing, self._files = session.drawing, session.files
         self._notices, self._registry = session.notices, session.registry
@@ -100,7 +108,7 @@ class Keeper(QObject):
         self._coming: set[str] = set()
         self._unwritten: list[_OnSheet] = []
         self._is_told = False
-        self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
+        self._tasks = queue.Queue() if tasks is None else tasks
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
         tasks = self._tasks
