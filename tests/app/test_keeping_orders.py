@@ -44,6 +44,7 @@ from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.document_model import DocumentModel
 from bozzetto_app.session.drawing_record import DrawingRecord
 from bozzetto_app.session.notices import Notices
+from bozzetto_app.workers.main_thread import install
 from tests.disk_faults import watch
 from tests.document_kit import FakeRegistry, Ink, stroke
 from tests.sizes import sized
@@ -390,6 +391,22 @@ class Orders(RuleBasedStateMachine):
         for patch in reversed(self.patches):
             patch.stop()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@pytest.fixture(autouse=True)
+def _window_thread(qapp):
+    install()
+
+
+def test_a_stroke_that_is_written_before_the_save_of_an_earlier_one_is_kept():
+    orders = Orders()
+    orders.draw(waits=False)
+    orders.save()
+    orders.save_ends(works=True)
+    orders.draw(waits=False)
+    orders.close()  # only now does the disk take its turns
+    orders.nothing_is_lost()
+    orders.teardown()
 
 
 def explore(examples):

@@ -285,7 +285,7 @@ class Keeper(QObject):
     def _saved(self, path: Path) -> None:
         sheet, now = self._sheet, self._snapshot()
         if sheet.last is not None:
-            self._tasks.put(lambda: sheet.record.saved(now, now.document))
+            self._tasks.put(lambda: self._begin_again(sheet, now))
             self._record()
 
     def _leave(self, sheet: _OnSheet) -> None:
@@ -327,6 +327,14 @@ class Keeper(QObject):
                 self._is_told = False
                 again = tr("Recovery", "What you draw is safe from a crash again.")
                 call_on_main_thread(self, self._notices.tell, again)
+
+    def _begin_again(self, sheet: _OnSheet, saved: Snapshot) -> None:
+        """Keep only what is in no file: from now on that is what came after a save.
+
+        A later snapshot may have been written already, and is then in no recovery data.
+        """
+        sheet.written = None
+        sheet.record.saved(saved, saved.document)
 
     def _let_go(self) -> None:
         """Leave a drawing that is still on the sheet to be offered again: nobody has answered."""
