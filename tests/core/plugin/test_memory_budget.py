@@ -73,18 +73,28 @@ def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
                 model.remove(entry)
             elif entry in model:
                 cut(MOST)
-        assert list(budget._entries) == model
+        assert [entry for entry in made if not entry.dropped] == [
+            entry for entry in made if entry in model
+        ]
         assert budget.held == taken(model) <= MOST
-        assert all(entry.dropped for entry in made if entry not in model)
+    # The bound goes down by steps: what goes at each tells the order by age.
+    for bound in range(MOST, last_bound, -50):
+        budget.limit_to(bound)
+        cut(bound)
+        assert all((entry in model) is not entry.dropped for entry in made)
     budget.limit_to(last_bound)
     cut(last_bound)
-    assert list(budget._entries) == model
     assert budget.held == taken(model) <= last_bound
     before = [entry.forgotten for entry in model]
     budget.forget_all()
     assert not any(before)
     assert all(entry.forgotten for entry in model)
-    assert (budget.held, budget._holders) == (0, {})
+    assert budget.held == 0
+    budget.limit_to(10 * MOST)
+    for _, size in PARTS:  # nothing is held of the parts of those that are forgotten
+        entry = LevelCache(Size(tuple(PARTS[:1]), size))
+        budget.keep(entry)
+    assert budget.held == PARTS[0][1] + sum(size for _, size in PARTS)
 
 
 def test_what_was_dropped_before_it_was_kept_stays_away():

@@ -52,7 +52,7 @@ def interrupt(thread: threading.Thread) -> bool:
 def stack_of(thread: threading.Thread | None) -> str:
     """Return what a thread is doing, as in a traceback; "" if it has ended."""
     # Python has no other way to look at a thread from outside of it.
-    frame = sys._current_frames().get((thread and thread.ident) or 0)
+    frame = sys._current_frames().get((thread and thread.ident) or 0)  # noqa: SLF001
     return "".join(traceback.format_stack(frame)) if frame is not None else ""
 
 
