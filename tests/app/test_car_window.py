@@ -12,6 +12,7 @@ from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
 
+from bozzetto.scene import renderer
 from bozzetto.scene.display_list import Handle, Image, Label, Lines
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.canvas.viewport.software import SoftwareViewport
@@ -190,14 +191,13 @@ def test_the_drawing_stays_in_its_place_in_every_frame_when_its_camera_is_found(
     before, eye, frames = corners(window), window.session.view.camera.eye, []
     viewport = window.canvas.viewports.current
     assert isinstance(viewport, SoftwareViewport)
-    work = viewport._work
+    render = renderer.render
 
-    def noted(*asked, **more):
-        scene, camera = viewport._scene.under(viewport._live), viewport._camera
-        frames.append(corners_in(scene, camera.with_viewport(viewport.width(), viewport.height())))
-        return work(*asked, **more)
+    def noted(scene, camera, *asked, **more):
+        frames.append(corners_in(scene, camera))
+        return render(scene, camera, *asked, **more)
 
-    monkeypatch.setattr(viewport, "_work", noted)
+    monkeypatch.setattr(renderer, "render", noted)
     monkeypatch.setattr(Workbench, late, late_answer)
     monkeypatch.setattr("bozzetto_app.canvas.canvas.HELD", 60_000)  # beside other tests, too
     tap(window, on_canvas(window, FIRST["marks"][nodes[5]]), settle)

@@ -12,6 +12,8 @@ from PySide6.QtWidgets import QApplication, QLabel
 
 from bozzetto.scene.display_list import Handle, Lines, Shaded
 from bozzetto.view.navigation import turn
+from bozzetto_app.panels.properties.report import Figures
+from tests.app.seen import words
 from tests.app.tablet import Stylus
 from tests.app.test_responsiveness import GENEROUS, Pulse
 
@@ -251,12 +253,10 @@ def test_curves_stand_in_the_list_and_the_chosen_one_in_the_form(pair, draw, set
     for part, name, other in (("n1", "Curve 1", "Curve 2"), ("n2", "Curve 2", "Curve 1")):
         session.parts.select(session.selection.id, part)
         settle(session)
-        words = [
-            w.text() for w in pair.docks.parameters._figures.findChildren(QLabel) if w.isVisible()
-        ]
-        assert name in words
-        assert other not in words
-        assert "Read as" in words
+        said = words(pair.docks.parameters.findChild(Figures))
+        assert name in said
+        assert other not in said
+        assert "Read as" in said
     page = pair.docks.parameters.widget()
     assert page.width() <= pair.docks.parameters.viewport().width(), "nothing is cut off"
     lines = len(shown(pair, "curves"))

@@ -239,6 +239,7 @@ class Channel(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
+        self.setObjectName(name)
         self.name = name
         self.keep_all = keep_all
         self.time_limit = LATE_AFTER if is_patient and time_limit is None else time_limit

@@ -22,6 +22,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.dialogs.recovery import RecoveryDialog
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.drawing_record import DrawingRecord
+from bozzetto_app.workers.channel import Channel
 from tests.app import drawing_child
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
@@ -332,7 +333,7 @@ def test_a_slow_recovery_is_told_waited_for_and_can_be_stopped(
     window, dialog = offered(1)
     said, gate, recover = [], threading.Event(), RecoveryStore.recover
     window.session.notices.noticed.connect(said.append)
-    window.session.files._reads.time_limit = 0.05
+    window.session.findChild(Channel, "file").time_limit = 0.05
 
     def slow(store, crashed, states, progress):
         while not gate.wait(0.3):

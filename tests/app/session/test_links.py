@@ -12,6 +12,7 @@ from bozzetto.geometry import Placement
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import link_words
 from tests import linked_boxes, plugin_package
+from tests.app.seen import button
 from tests.app.tablet import circle, stroke_of
 from tests.linked_boxes import MODELER, BoxState
 
@@ -218,7 +219,7 @@ def test_the_panel_shows_the_link_and_duplicates_what_is_chosen(session, settle,
     assert "Unlink" in said
     assert "Link again" not in said
     panel.list.selectAll()
-    panel._duplicate_current()
+    button(panel, "Duplicate").click()
     settle(session)
     body, body_copy, follower, copy = session.drawing.document.models
     assert (follower.sources, copy.sources) == ((body.id,), (body_copy.id,))

@@ -178,21 +178,21 @@ def test_ink_has_the_colour_of_the_theme(overlay):
 def test_places_are_lit_and_go_out(overlay, qtbot):
     overlay.light_up([(300, 200)])
     assert painted(overlay)[180:220, 280:320].sum() > 5
-    qtbot.waitUntil(lambda: not overlay.lit_places, timeout=4000)
+    qtbot.waitUntil(lambda: not overlay.lit.places, timeout=4000)
     assert painted(overlay).sum() == 0
 
 
 @pytest.mark.parametrize("place", [(5, 5), (395, 295), (200, 150), (-40, 900)])
 def test_words_beside_a_lit_place_stay_on_the_sheet_and_off_the_place(overlay, place):
     overlay.light_up([place], "The outline crosses itself at the marked place. Draw it again.")
-    area = overlay._lit.words_area
+    area = overlay.lit.words_area
     assert overlay.rect().contains(area)
     assert not area.contains(*place)
 
 
 def test_a_new_stroke_ends_what_was_said(overlay):
     overlay.light_up([(100, 100)], "Not like this.")
-    assert not overlay._lit.words_area.isEmpty()
+    assert not overlay.lit.words_area.isEmpty()
     overlay.begin()
-    assert overlay.lit_places == ()
-    assert overlay._lit.words_area.isEmpty()
+    assert overlay.lit.places == ()
+    assert overlay.lit.words_area.isEmpty()
