@@ -10,6 +10,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
 
+from bozzetto.geometry import Mesh
+from bozzetto.scene import Shaded
+
 
 def button(widget: QWidget, name: str) -> Any:
     """The button that a screen reader calls so."""
@@ -62,3 +65,19 @@ def part(widget: QWidget, name: str) -> Any:
 def names(widget: QWidget) -> list[str]:
     """What a screen reader calls the buttons there."""
     return [b.accessibleName() for b in buttons(widget)]
+
+
+def meshes(session: Any) -> list[Mesh]:
+    """What is shaded on the sheet."""
+    return [item.mesh for _, item in session.scene.visible.items() if isinstance(item, Shaded)]
+
+
+def state(window: Any) -> Any:
+    """The state of the chosen object."""
+    return window.session.selection.model.state
+
+
+def layer_items(window: Any, name: str) -> list[Any]:
+    """What lies in the layers of a name on the sheet."""
+    scene = window.session.scene.visible.under(window.session.scene.live)
+    return [item for layer in scene.layers if layer.name == name for item in layer.items]

@@ -19,7 +19,7 @@ from bozzetto.ink.drawing import Drawing
 from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_app.workers.channel import Channel
 from tests.app.seen import part
-from tests.app.tablet import circle, stroke_of
+from tests.app.tablet import circle, draw, stroke_of
 from tests.app.troublemaker import MODELER, PLUGIN, UNLUCKY, BoxesState, box
 from tests.app.yardstick import Yardstick
 
@@ -144,11 +144,6 @@ def faults(session):
     """What was said of plugins; the one that behaves and the program itself may only be slow."""
     kinds, well = ("fault", "slow"), ("", "bozzetto.silhouette")
     return [n for n in session.heard if n.kind in kinds and n.plugin not in well]
-
-
-def draw(session, settle, **more):
-    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
-    settle(session)
 
 
 @pytest.fixture

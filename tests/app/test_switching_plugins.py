@@ -37,8 +37,10 @@ def test_a_modeler_that_is_switched_off_leaves_the_hand(make_window, settle):
     assert [layer.name for layer in session.scene.visible.layers] == [
         layer.name for layer in scene.layers
     ]
+    assert other.title in names(window.modelers)
     assert "Silhouette" not in names(window.modelers)
     switch(window, plugin, True)
+    settle(session, window.keeper)
     assert "Silhouette" in names(window.modelers)
     assert session.toolbox.modeler == other.id
 

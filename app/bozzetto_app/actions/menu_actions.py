@@ -1,4 +1,4 @@
-"""What a person can ask the window to do: one list, from which menus and keys are made."""
+"""Actions of the window: one list, from which menus and keys are made."""
 
 from __future__ import annotations
 

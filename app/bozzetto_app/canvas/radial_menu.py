@@ -59,7 +59,7 @@ WRAPPED: Final = Qt.AlignmentFlag.AlignHCenter | Qt.TextFlag.TextWordWrap
 
 
 class MenuEntry(Protocol):
-    """What the menu shows: an action of the program."""
+    """Entry of the menu: an action of the program."""
 
     @property
     def title(self) -> str:

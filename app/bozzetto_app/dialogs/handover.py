@@ -200,7 +200,7 @@ class HandoverDialog(Page):
 
     @property
     def handover(self) -> Handover:
-        """What the controls say."""
+        """Choices that the controls show."""
         unit, up, lines = (
             one.value if one.isEnabled() else "" for one in (self.unit, self.up, self.lines)
         )

@@ -43,7 +43,7 @@ MESH_MODELER = "bozzetto.mesh"
 
 
 class Foreseen(NamedTuple):
-    """What a hand-over would be, before anything is written.
+    """Forecast of a hand-over, before anything is written.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Foreseen(NamedTuple):
 
 
 class Exchange(QObject):
-    """What goes to other programs and comes from them.
+    """Import and export: files of other programs.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ class Batched(ABC):
     @property
     @abstractmethod
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
 
     @staticmethod
     @abstractmethod
@@ -89,7 +89,7 @@ class Placed(Batched):
     @property
     @override
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
         return Placed
 
     @staticmethod

@@ -83,7 +83,7 @@ class Relief(Batched):
     @property
     @override
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
         return Relief
 
     @cached_property

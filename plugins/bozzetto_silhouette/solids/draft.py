@@ -82,7 +82,7 @@ class Shell(NamedTuple):
 
 
 class Drafted(NamedTuple):
-    """What is seen of a tree.
+    """Visible parts of a tree.
 
     Attributes
     ----------

@@ -130,7 +130,7 @@ class Blend:
 
     @cached_property
     def key(self) -> Hashable:
-        """What the fillets depend on, by the bodies: their vertices are not looked at."""
+        """Key of what the fillets depend on, by the bodies: their vertices are not looked at."""
         boxes = self.box, self.solid.first.bounds, self.solid.second.bounds
         marks = tuple(body.mark for body in self.bodies)
         return signature(self.local), marks, self.step, *(some.tobytes() for some in boxes)

@@ -239,7 +239,7 @@ class FittedPlane:
 
     @property
     def information(self) -> Array:
-        """What a hand of 1 px and the axis say of the figures that are free, (k, k)."""
+        """Information of a hand of 1 px and of the axis about the free figures, (k, k)."""
         moves = self.columns[:, : self.free]
         told = moves.T @ moves * (MEASURES / len(self.rest)) / 2.0
         if self.axis is not None:

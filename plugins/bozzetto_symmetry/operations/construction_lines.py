@@ -78,7 +78,7 @@ or an edge, a place of a surface."""
 
 @dataclass(frozen=True, eq=False)
 class _Anchor:
-    """What lies under an end of the stroke, and how much it counts."""
+    """Anchor under an end of the stroke, and how much it counts."""
 
     point: Array
     rank: int

@@ -1,4 +1,4 @@
-"""What depends on the view: grids of the back walls, and lines to the vanishing points."""
+"""Layers that depend on the view: grids of the back walls, and lines to the vanishing points."""
 
 from __future__ import annotations
 

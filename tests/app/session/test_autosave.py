@@ -24,7 +24,7 @@ from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.drawing_record import DrawingRecord
 from bozzetto_app.workers.channel import Channel
 from tests.app import drawing_child
-from tests.app.tablet import circle, stroke_of
+from tests.app.tablet import circle, draw, stroke_of
 from tests.app.troublemaker import MODELER
 from tests.dead_process import left_behind
 
@@ -68,11 +68,6 @@ def crash(folder):
         assert left
 
     return die
-
-
-def draw(session, settle, *keepers, **more):
-    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
-    settle(session, *keepers)
 
 
 def kept_strokes(folder, registry=None):

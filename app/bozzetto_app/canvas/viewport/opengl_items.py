@@ -25,7 +25,7 @@ HULL: Final = 1.1
 
 
 class Frame:
-    """What all items of one picture share."""
+    """Values that all items of one picture share."""
 
     def __init__(self) -> None:
         self.view: NDArray[np.float32] = np.eye(4, dtype=np.float32)

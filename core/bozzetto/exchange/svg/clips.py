@@ -56,11 +56,11 @@ def box_of(path: Subpath) -> Box | None:
 
 
 class Own(Protocol):
-    """What an element says of itself."""
+    """Attributes that an element gives itself."""
 
     @property
     def properties(self) -> Properties:
-        """Of its look."""
+        """Properties of its look."""
 
     @property
     def matrix(self) -> Array | None:
@@ -69,7 +69,7 @@ class Own(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """What is known of a clip: measured once, however many parts of a drawing it cuts.
+    """Measured clip: once, however many parts of a drawing it cuts.
 
     Parameters
     ----------

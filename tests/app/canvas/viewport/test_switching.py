@@ -349,10 +349,7 @@ def test_frames_are_made_beside_the_window_and_the_newest_wins(qtbot, box_scene)
 def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(
     qtbot, box_scene, monkeypatch
 ):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
+    viewport = shown_software(qtbot)
     with monkeypatch.context() as slow:  # as on a machine that takes 10 s for a frame
         slow.setattr(software, "perf_counter", itertools.count(0.0, 10.0).__next__)
         viewport.set_scene(box_scene)
@@ -364,12 +361,7 @@ def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(
 
 
 def test_shapes_that_come_slowly_get_no_sharp_frame_between_them(qtbot, box_scene, monkeypatch):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
-    viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport = shown_software(qtbot, box_scene)
     clock, rest = 1000.0, rest_of(viewport)
     monkeypatch.setattr("bozzetto_app.canvas.viewport.software.perf_counter", lambda: clock)
     rests = []
@@ -387,12 +379,7 @@ def test_shapes_that_come_slowly_get_no_sharp_frame_between_them(qtbot, box_scen
 
 
 def test_the_very_same_scene_is_not_drawn_again(qtbot, box_scene):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
-    viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport = shown_software(qtbot, box_scene)
     viewport.set_scene(box_scene)
     assert not viewport.is_waiting
 
@@ -400,10 +387,7 @@ def test_the_very_same_scene_is_not_drawn_again(qtbot, box_scene):
 def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(
     qtbot, box_scene, monkeypatch
 ):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
+    viewport = shown_software(qtbot)
     with monkeypatch.context() as slow:  # as on a machine that takes 10 s for a frame
         slow.setattr(software, "perf_counter", itertools.count(0.0, 10.0).__next__)
         viewport.set_scene(box_scene)
@@ -450,11 +434,14 @@ def slow_render(monkeypatch, full, coarse=0.02, started=None):
     return became
 
 
-def shown_software(qtbot):
+def shown_software(qtbot, scene=None):
+    """A viewport that has painted a scene, or an empty sheet, and rests."""
     viewport = SoftwareViewport()
     qtbot.addWidget(viewport)
     viewport.resize(*SIZE)
     viewport.show()
+    if scene is not None:
+        viewport.set_scene(scene)
     qtbot.waitUntil(lambda: not viewport.shown().isNull(), timeout=9000)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
     return viewport
