@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_silhouette.inflation.sewing import vertex_normals
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.fillet import Fillet
 from bozzetto_silhouette.solids.polygonize import Surface

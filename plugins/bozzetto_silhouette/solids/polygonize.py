@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, sample_each
-from bozzetto_silhouette.inflation.sewing import vertex_normals
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 
 Nodes = NDArray[np.int64]

@@ -25,8 +25,8 @@ from bozzetto_symmetry.interpretation.mirrored_ink import (
     equations,
 )
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace
 from bozzetto_symmetry.interpretation.straight_crossing import end_of
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 

@@ -12,7 +12,7 @@ from bozzetto.ink import resample
 from bozzetto_symmetry.interpretation.folding import Folding
 from bozzetto_symmetry.interpretation.mirrored_ink import CARELESS, ENDS, InkLine
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import BowedPlane
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo

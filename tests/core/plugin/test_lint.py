@@ -242,13 +242,13 @@ def test_files_of_a_plugins_own_are_checked_by_it(tmp_path, capsys):
 
 
 def test_a_call_that_never_answers_is_named_and_the_rest_is_left(faulty, monkeypatch):
-    from bozzetto.testing import time_limit
+    from bozzetto.testing import call_watch
 
     def hang(*_):
         while True:
             pass
 
-    monkeypatch.setattr(time_limit, "LONGEST_CALL", 0.5)
+    monkeypatch.setattr(call_watch, "LONGEST_CALL", 0.5)
     faulty.misdeeds["apply"] = hang
     (finding,) = check_package(faulty.package)
     assert finding.serious

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.cached_properties import cached_property
 from bozzetto.ink.checked_points import is_seen, seen_through
 from bozzetto.scene.palette import LIGHT, Color, Palette
-from bozzetto_app.canvas.overlay.highlights import LitPlaces
+from bozzetto_app.canvas.overlay.lit_places import LitPlaces
 from bozzetto_app.canvas.overlay.next_step import NextPlace
 from bozzetto_app.canvas.overlay.ribbon import InkPoint, Smoother, ribbon_path, smoothed
 from bozzetto_app.canvas.screen_limits import (

@@ -13,8 +13,8 @@ from bozzetto.arrays import Array
 from bozzetto.cached_properties import cached_property
 from bozzetto.exchange.safe_xml import Element
 from bozzetto.exchange.svg.clip_regions import Region, Rule
+from bozzetto.exchange.svg.outlined_elements import LONGEST_LENGTH, outline
 from bozzetto.exchange.svg.path_data import Subpath, flatten
-from bozzetto.exchange.svg.shapes import LONGEST_LENGTH, outline
 from bozzetto.exchange.svg.style import Properties
 
 REFERENCE: Final = re.compile(r"\s*+url\(\s*+[\"']?#([^\"')\s]+)")

@@ -8,7 +8,7 @@ import pytest
 from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.ink.sides import Side
 from bozzetto_symmetry.interpretation.flat_places import coverage_of
-from bozzetto_symmetry.interpretation.reader import read
+from bozzetto_symmetry.interpretation.side_reading import read
 from bozzetto_symmetry.interpretation.simple_form import information_of_two
 from bozzetto_symmetry.interpretation.straight_crossing import as_bar
 from bozzetto_symmetry.model.state import SymmetryState

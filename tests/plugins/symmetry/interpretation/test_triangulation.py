@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bozzetto_symmetry.interpretation.triangulation import SLENDEREST, slenderness
+from bozzetto_symmetry.interpretation.stereo_triangulation import SLENDEREST, slenderness
 
 TURN = 2.0 * np.pi * np.arange(300) / 300
 
