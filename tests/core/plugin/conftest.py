@@ -45,7 +45,7 @@ ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 
 def make_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A function that writes a package of a fresh name and gives that name."""
     root = tmp_path / "packages"
-    root.mkdir()
+    root.mkdir(exist_ok=True)
     monkeypatch.syspath_prepend(root)
     made: list[str] = []
 
