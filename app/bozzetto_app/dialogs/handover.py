@@ -281,7 +281,7 @@ class HandoverDialog(Page):
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
         if seen.warnings and self.is_scrolled:
-            below = tr("Handover", "What to heed stands below the switches.")
+            below = tr("Handover", "The warnings stand below the switches.")
             self.state.setText(f"{self.state.text()}\n{below}")
         self.go.setEnabled(True)
 

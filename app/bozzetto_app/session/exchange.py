@@ -172,7 +172,7 @@ class Exchange(QObject):
             listed = ", ".join(f"“{path.name}”" for path in paths)
             said = [tr("Files", "Exported {names}.", names=listed)]
             if waiting:
-                said.append(tr("Files", "The ink that waits is no part of it."))
+                said.append(tr("Files", "Waiting ink is not exported."))
             if warnings:
                 # An error stays until the next one: what is missing must not be overlooked.
                 self._notices.send(Notice("error", " ".join((*said, *warnings))))
