@@ -507,14 +507,20 @@ def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, 
 
 def test_opengl_is_imported_when_no_class_of_qt_is_left_to_be_made(qtbot, session, monkeypatch):
     """Else the worker that imports it and the window would make some at the same time."""
-    left = []
+    left, opengl = [], "bozzetto_app.canvas.viewport.opengl"
 
-    def import_nothing(job):
-        left.append([name for name in dir(QtWidgets) if name not in vars(QtWidgets)])
-        raise ImportError("left out")
+    class NoOpenGL:
+        """Finds no module for OpenGL, and looks what is left to be made when it is asked."""
+
+        @staticmethod
+        def find_spec(name, path=None, target=None):
+            if name == opengl:
+                left.append([name for name in dir(QtWidgets) if name not in vars(QtWidgets)])
+                raise ImportError("left out")
 
     monkeypatch.setenv("BOZZETTO_VIEWPORT", "gl")
-    monkeypatch.setattr("bozzetto_app.canvas.viewport.switching._import_gl", import_nothing)
+    monkeypatch.delitem(sys.modules, opengl, raising=False)
+    monkeypatch.setattr(sys, "meta_path", [NoOpenGL, *sys.meta_path])
     canvas = Canvas(session, LIGHT)
     qtbot.addWidget(canvas)
     canvas.show()

@@ -8,7 +8,7 @@ from collections import deque
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, QTimer
 from PySide6.QtGui import QGuiApplication, QInputDevice, QPointingDevice, QTabletEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMainWindow, QPushButton
@@ -29,7 +29,7 @@ from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme
 from bozzetto_app.widgets.toggle import Toggle
-from tests.app.seen import button
+from tests.app.seen import button, part
 
 
 @pytest.fixture
@@ -152,9 +152,10 @@ def test_what_could_not_be_opened_is_offered_again(offer, asked):
 
 
 @pytest.mark.parametrize("sure", [True, False])
-def test_nothing_is_discarded_by_who_is_not_sure(offer, asked, monkeypatch, sure):
-    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: sure)
+def test_nothing_is_discarded_by_who_is_not_sure(offer, asked, sure):
     dialog = offer()
+    answer = "Discard" if sure else "Keep"
+    QTimer.singleShot(0, lambda: button(part(dialog, "discard"), answer).click())
     next(b for b in dialog.findChildren(QPushButton) if b.text() == "Discard…").click()
     assert [verb for verb, *_ in asked] == ["discard"] * sure
 

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
 from shiboken6 import delete
 
@@ -407,14 +408,17 @@ def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
     assert len(RecoveryStore(folder).crashed_sessions()) == 1
 
 
-def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, monkeypatch, qtbot):
+def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, qtbot):
     window, dialog = offered(2)
-    answers = iter([False, True])
-    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: next(answers))
     away = buttons(dialog, "Discard…")[0]
-    away.click()
+
+    def click(answer):
+        QTimer.singleShot(0, lambda: press(dialog.findChildren(QMessageBox, "discard")[-1], answer))
+        away.click()
+
+    click("Keep")
     assert len(RecoveryStore(folder).crashed_sessions()) == 2
-    away.click()
+    click("Discard")
     qtbot.waitUntil(lambda: len(RecoveryStore(folder).crashed_sessions()) == 1)
     qtbot.waitUntil(lambda: len(buttons(dialog, "Discarded")) == 1)
     assert len(buttons(dialog, "Open")) == 1

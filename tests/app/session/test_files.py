@@ -18,6 +18,7 @@ from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
 from bozzetto.exchange.import_file import read_mesh, read_mesh_file
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.scene import snapshot
 from bozzetto_app.session import thumbnail as small_picture
 from bozzetto_app.session.files import LAST_FOLDER
 from bozzetto_app.session.recent_files import recent_files
@@ -627,10 +628,10 @@ def test_a_document_has_a_small_picture(session, settle, tmp_path, monkeypatch):
 def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
     session, settle, tmp_path, monkeypatch
 ):
-    def fail(*_):
+    def fail(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr(small_picture, "_painted", fail)
+    monkeypatch.setattr(snapshot, "thumbnail", fail)
     draw(session, settle)
     save(session, settle, tmp_path / "a.bozz")
     assert not session.drawing.is_modified
@@ -640,14 +641,14 @@ def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
 
 
 def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_path, monkeypatch):
-    gate, begun = threading.Event(), []
+    gate, begun, paint = threading.Event(), [], snapshot.thumbnail
 
-    def wait(*_):
+    def wait(*asked, **more):
         begun.append(None)
         gate.wait(30)
-        return b"late"
+        return paint(*asked, **more)
 
-    monkeypatch.setattr(small_picture, "_painted", wait)
+    monkeypatch.setattr(snapshot, "thumbnail", wait)
     draw(session, settle)
     for name in ("a.bozz", "b.bozz"):
         save(session, settle, tmp_path / name)
