@@ -234,6 +234,16 @@ class Layer:
         return _thinned([part for part in parts if len(part)])
 
     @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """Bounding box of meshes, lines, points and images, (2, 3) mm; NaN where there are none."""
+        parts = [part for part in map(_extent, self.items) if len(part)]
+        if not parts:
+            return np.full((2, 3), np.nan)
+        ends = [(part.min(axis=0), part.max(axis=0)) for part in parts]
+        low, high = zip(*ends, strict=True)
+        return np.stack((np.min(low, axis=0), np.max(high, axis=0)))
+
+    @cached_property
     def corners(self) -> NDArray[np.float64]:
         """The corners of its images, (n, 3) mm."""
         images = [_extent(item) for item in self.items if isinstance(item, Image)]
@@ -332,14 +342,11 @@ class Scene:
 
         NaN where the scene is empty.
         """
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for _, item in self.items():
-            points = _extent(item)
-            if len(points):
-                low, high = np.minimum(low, points.min(0)), np.maximum(high, points.max(0))
-        if not np.isfinite(low).all():
+        boxes = np.array([layer.bounds for layer in self.layers if layer.items])
+        boxes = boxes[np.isfinite(boxes).all(axis=(1, 2))] if len(boxes) else boxes
+        if not len(boxes):
             return np.full((2, 3), np.nan)
-        return np.stack((low, high))
+        return np.stack((boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)))
 
     def points(self) -> NDArray[np.float64]:
         """Return the points to be shown when the scene is framed, shape (n, 3), mm.

@@ -99,3 +99,13 @@ def test_points_of_a_layer_are_put_together_once():
     layer = _cloud(10, 1)
     assert layer.points is layer.points
     assert np.array_equal(Scene((layer,)).points(), Scene((layer, Layer("nothing"))).points())
+
+
+def test_bounds_are_those_of_everything_that_has_a_place():
+    layers = (_cloud(10, 1), _cloud(7, 2), Layer("nothing"))
+    everything = np.concatenate([item.points for layer in layers for item in layer.items])
+    wanted = [everything.min(axis=0), everything.max(axis=0)]
+    assert np.array_equal(Scene(layers).bounds(), wanted)
+    for empty in (Scene(), Scene((Layer("nothing"), Layer("none", (Lines(np.zeros((0, 3))),))))):
+        assert np.isnan(empty.bounds()).all()
+        assert empty.bounds().shape == (2, 3)
