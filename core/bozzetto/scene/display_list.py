@@ -292,7 +292,7 @@ class Scene:
 
     @property
     def known(self) -> Scene:
-        """What is there without a wait: of a sum, whatever is not put off; else all or nothing."""
+        """Items that need no wait: of a sum, whatever is not put off; else all or nothing."""
         return self if self.is_made else self.__dict__.get("_known", EMPTY)
 
     def __add__(self, other: Scene) -> Scene:

@@ -25,7 +25,7 @@ HULL: Final = 1.1
 
 
 class Frame:
-    """What all items of one picture share."""
+    """Values that all items of one picture share."""
 
     def __init__(self) -> None:
         self.number = 0

@@ -1,4 +1,4 @@
-"""What OpenGL needs to know before the application object exists."""
+"""Settings of OpenGL that are made before the application object exists."""
 
 from __future__ import annotations
 
