@@ -253,7 +253,7 @@ class Canvas(QWidget):
         self.thickness_scale.lie_on(self.rect(), left)
 
     def describe_viewport(self) -> str:
-        """Who draws, for the About dialog."""
+        """Return the name of the renderer, for the About dialog."""
         return self.viewports.current.describe()
 
     def grab_picture(self) -> QImage:

@@ -53,7 +53,7 @@ STEP_LIMIT: Final = 5.0
 
 
 class _Hand(NamedTuple):
-    """What the worker is to know of the hand: replaced as a whole, never changed."""
+    """Hand as the worker knows it: replaced as a whole, never changed."""
 
     held: Drag | None
     lifted: bool

@@ -31,7 +31,7 @@ Answer = TypeVar("Answer")
 
 
 class ObjectParts:
-    """What a person can do to the parts of an object.
+    """Edits of the parts of an object.
 
     Widgets cannot wait for a worker, so plugins are asked on the window's thread: one that
     hangs is interrupted.

@@ -15,9 +15,7 @@ import atexit
 import itertools
 import logging
 import math
-import sys
 import threading
-import traceback
 import weakref
 from collections import deque
 from collections.abc import Callable
@@ -31,7 +29,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from bozzetto.awake_time import awake_time
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.guard.guard import Overrun
-from bozzetto.plugin.guard.watchdog import interrupt
+from bozzetto.plugin.guard.watchdog import interrupt, stack_of
 from bozzetto.plugin.job import Job
 from bozzetto_app.workers.main_thread import (
     call_on_main_thread,
@@ -82,13 +80,7 @@ class Hung(TimeoutError):
         self.limit = limit
         self.thread = thread
         self.is_again = is_again
-        self.stack = _stack(thread)
-
-
-def _stack(thread: threading.Thread | None) -> str:
-    """Return what a thread is doing, as in a traceback; "" if it has ended."""
-    frame = sys._current_frames().get((thread and thread.ident) or 0)
-    return "".join(traceback.format_stack(frame)) if frame is not None else ""
+        self.stack = stack_of(thread)
 
 
 @dataclass(eq=False)
@@ -247,6 +239,7 @@ class Channel(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
+        self.setObjectName(name)
         self.name = name
         self.keep_all = keep_all
         self.time_limit = LATE_AFTER if is_patient and time_limit is None else time_limit
@@ -397,7 +390,7 @@ class Channel(QObject):
         if not (deaf or late):
             return
         left = "%s did not stop or answer in time; its thread is left behind, at\n%s"
-        log.warning(left, self.name, _stack(request.thread))
+        log.warning(left, self.name, stack_of(request.thread))
         wanted = not request.abandoned
         request.abandon()
         self._finish()

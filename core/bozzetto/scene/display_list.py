@@ -244,6 +244,11 @@ class Layer:
         return np.stack((np.min(low, axis=0), np.max(high, axis=0)))
 
     @cached_property
+    def marks(self) -> tuple[Handle | Label, ...]:
+        """Its handles and labels."""
+        return tuple(item for item in self.items if isinstance(item, Handle | Label))
+
+    @cached_property
     def corners(self) -> NDArray[np.float64]:
         """The corners of its images, (n, 3) mm."""
         images = [_extent(item) for item in self.items if isinstance(item, Image)]
@@ -287,7 +292,7 @@ class Scene:
 
     @property
     def known(self) -> Scene:
-        """What is there without a wait: of a sum, whatever is not put off; else all or nothing."""
+        """Items that need no wait: of a sum, whatever is not put off; else all or nothing."""
         return self if self.is_made else self.__dict__.get("_known", EMPTY)
 
     def __add__(self, other: Scene) -> Scene:

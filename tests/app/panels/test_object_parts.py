@@ -15,6 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import entries_of, place_of_drop
 from tests.app import fake_session as fakes
+from tests.app.seen import button
 
 
 @pytest.fixture
@@ -100,7 +101,8 @@ def test_what_is_drawn_takes_the_choice_from_the_others(panel, fake_session):
         fake_session.drawing.changed.emit()
         chosen = [panel.list.row(item) for item in panel.list.selectedItems()]
         assert chosen == [panel.list.currentRow()]
-        assert panel._current().id == name
+        (title,) = (part.name for part in tree.parts if part.id == name)
+        assert panel.list.itemWidget(panel.list.currentItem()) is widget(panel, title)
 
 
 def test_rows_say_what_their_parts_do(panel):
@@ -120,7 +122,7 @@ def test_deeds(panel, fake_session):
     editor.setText("Skull")
     QTest.keyClick(editor, Qt.Key.Key_Return)
     assert calls.named("parts.rename") == [(("m1", "n2", "Skull"), {})]
-    panel._duplicate.click()
+    button(panel, "Duplicate").click()
     assert calls.named("parts.duplicate") == [(("m1", "n2"), {})]
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert calls.named("parts.delete") == [(("m1", "n2"), {})]

@@ -1,4 +1,4 @@
-"""What the object list lists, row by row: pure functions over the document."""
+"""Rows of the object list: pure functions over the document."""
 
 from __future__ import annotations
 

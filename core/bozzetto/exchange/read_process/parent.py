@@ -149,7 +149,8 @@ _lock = threading.Lock()
 
 
 @atexit.register
-def _end_idle() -> None:
+def end_idle() -> None:
+    """End the process that waits for the next request; the next reading starts another."""
     while _idle:
         _idle.pop().end()
 

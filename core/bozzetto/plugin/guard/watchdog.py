@@ -14,7 +14,9 @@ dropped, but it keeps a core busy until the program ends.
 from __future__ import annotations
 
 import ctypes
+import sys
 import threading
+import traceback
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
@@ -45,6 +47,13 @@ def interrupt(thread: threading.Thread) -> bool:
         ctypes.c_ulong(thread.ident), ctypes.py_object(Overrun)
     )
     return bool(planted == 1)
+
+
+def stack_of(thread: threading.Thread | None) -> str:
+    """Return what a thread is doing, as in a traceback; "" if it has ended."""
+    # Python has no other way to look at a thread from outside of it.
+    frame = sys._current_frames().get((thread and thread.ident) or 0)  # noqa: SLF001
+    return "".join(traceback.format_stack(frame)) if frame is not None else ""
 
 
 class _Call(Generic[Answer]):

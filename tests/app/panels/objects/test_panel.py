@@ -15,6 +15,7 @@ from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.widgets.swatch import chart
 from tests.app import fake_session as fakes
+from tests.app.seen import button, words
 
 
 @pytest.fixture
@@ -132,7 +133,7 @@ def test_colours(panel, fake_session):
     popup = saddle.swatch.open_chart()
     discs = {b.accessibleName(): b for b in popup.findChildren(type(saddle.swatch).__mro__[1])}
     discs["Slate"].click()
-    saddle.swatch.open_chart()._take(None)
+    button(saddle.swatch.open_chart(), "Clay").click()
     wanted = dict(chart())["Slate"]
     assert fake_session.calls.named("objects.set_color") == [
         (("m2", wanted), {}),
@@ -141,10 +142,10 @@ def test_colours(panel, fake_session):
 
 
 def test_deleting_and_duplicating(panel, fake_session):
-    panel._duplicate.click()
-    panel._delete.click()
+    button(panel, "Duplicate").click()
+    button(panel, "Delete").click()
     panel.list.setCurrentRow(5)
-    assert not panel._duplicate.isEnabled()
+    assert not button(panel, "Duplicate").isEnabled()
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert fake_session.calls.named("objects.duplicate") == [(("m1",), {})]
     assert fake_session.calls.named("objects.delete") == [(("m1",), {})]
@@ -218,8 +219,8 @@ def test_rows_stay_while_only_their_content_changes(panel, fake_session):
 def test_an_empty_sheet_says_so(panel, fake_session):
     fake_session.drawing.document, fake_session.selection.id = Document(), None
     fake_session.drawing.changed.emit()
-    assert panel._empty.isVisible()
-    assert not panel._delete.isEnabled()
+    assert "Nothing drawn yet." in words(panel)
+    assert not button(panel, "Delete").isEnabled()
 
 
 @pytest.fixture

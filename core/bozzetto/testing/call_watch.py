@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 import threading
-import traceback
 from collections.abc import Callable
 from typing import Final
 from weakref import WeakSet
 
 from bozzetto.awake_time import awake_time
 from bozzetto.plugin.guard.guard import Guard
-from bozzetto.plugin.guard.watchdog import GRACE, REPEAT, interrupt
+from bozzetto.plugin.guard.watchdog import GRACE, REPEAT, interrupt, stack_of
 
 LONGEST_CALL: Final = 120.0
 """Seconds that one call may take; what the program asks for comes within a few, on any machine."""
@@ -82,8 +80,7 @@ class CallWatch:
             if now is not call:
                 call, since = now, awake_time()
             elif call is not None and awake_time() - since > self._limit:
-                frame = sys._current_frames().get(thread.ident or 0)
-                details = "".join(traceback.format_stack(frame)) if frame else ""
+                details = stack_of(thread)
                 _stop(thread, ended)
                 raise Unanswered(f"{call[1]} gave no answer for {self._limit:g} s", details)
         if problems:
