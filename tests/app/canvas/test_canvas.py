@@ -88,6 +88,20 @@ def test_the_view_tilts_from_where_it_has_gone_to_the_shape(session, canvas, qtb
     assert session.view.camera == there
 
 
+def test_the_view_tilts_from_where_it_goes_along(session, canvas, qtbot):
+    """Advice on the first solid came while the view tilted, which it did not follow then."""
+    session.advice.may_follow = True
+    session.solver.settled.emit("m1")
+    qtbot.wait(50)
+    assert not canvas.motion.is_running
+    there = standard_view(session.view.camera, "right")
+    session.view.set_camera(there)
+    session.advice.may_follow = False
+    qtbot.waitUntil(lambda: canvas.motion.is_running, timeout=3000)
+    arrived(canvas, qtbot)
+    assert session.view.camera == there
+
+
 def test_the_first_shape_does_not_tilt_where_a_picture_comes(session, canvas, qtbot):
     """It was about to when the view had gone to the picture before the sheet was told."""
     session.scene.busy = True
