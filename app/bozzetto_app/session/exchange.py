@@ -23,11 +23,12 @@ from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
-    from bozzetto.document.model import Model
+    from bozzetto.document.model import Document, Model
     from bozzetto.exchange.handover import Handover
     from bozzetto.exchange.reading import MeshFile
     from bozzetto.plugin.job import Job
     from bozzetto.view.camera import Camera
+    from bozzetto.workbench.export_document import ObjectShapes
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.session.document_model import DocumentModel
     from bozzetto_app.session.drawing_input import DrawingInput
@@ -116,6 +117,7 @@ class Exchange(QObject):
         notices.watch(self._work)
         self._imports: WeakSet[Request] = WeakSet()
         self._foresight = Channel("foresee", is_patient=True, parent=self)
+        self._looked_at: tuple[Document, Sequence[str] | None, ObjectShapes] | None = None
         drawing.closing.connect(self._drop_imports)
         self.films = Films(workbench, drawing, view, notices, self)
         for work in (self._work, pictures):
@@ -136,8 +138,9 @@ class Exchange(QObject):
         self.films.channel.cancel()
 
     def forget(self) -> None:
-        """Stop looking what a hand-over would be: nobody waits for it."""
+        """Stop looking what a hand-over would be: nobody waits for it, and its shapes may go."""
         self._foresight.cancel()
+        self._looked_at = None
 
     def export(
         self,
@@ -189,6 +192,9 @@ class Exchange(QObject):
     ) -> None:
         """Look what an export would be, and tell by `foreseen`; nothing is written.
 
+        Until `forget` the next look at the same objects, and their export, are made of the same
+        shapes: a complete car is seconds of work.
+
         Parameters
         ----------
         endings : sequence of str
@@ -198,8 +204,9 @@ class Exchange(QObject):
         """
         work = self._making(names, handover)
         paths = tuple(Path(f"a{ending}") for ending in endings)
+        document = self._drawing.document
 
-        def look(job: Job) -> Foreseen:
+        def look(job: Job) -> tuple[Foreseen, ObjectShapes]:
             from bozzetto.exchange.export import Ready
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.exchange.triangle_budget import triangle_count
@@ -208,12 +215,18 @@ class Exchange(QObject):
             ready = Ready(objects.shapes, handover or AS_USUAL)
             sizes = [len(file.data) + sum(len(data) for _, data in file.beside) for file in made]
             told = (*objects.warnings(), *_warnings(made))
-            return Foreseen(
+            seen = Foreseen(
                 ready.size,
                 triangle_count(ready.triangles),
                 tuple(zip(endings, sizes, strict=True)),
                 tuple(dict.fromkeys(told)),
             )
+            return seen, objects
+
+        def done(answer: tuple[Foreseen, ObjectShapes]) -> None:
+            seen, objects = answer
+            self._looked_at = document, names, objects
+            self.foreseen.emit(seen)
 
         def refused(problem: BaseException) -> None:
             if isinstance(problem, UserError):
@@ -221,14 +234,18 @@ class Exchange(QObject):
             else:
                 self._notices.complain(problem)
 
-        self._foresight.submit(Request(look, self.foreseen.emit, refused))
+        self._foresight.submit(Request(look, done, refused))
 
     def _making(self, names: Sequence[str] | None, handover: Handover | None) -> Any:
         """Return the work of a worker that makes files of the document as it is now."""
-        bench, camera = self._workbench, self._view.camera
+        bench, camera, document = self._workbench, self._view.camera, self._drawing.document
+        looked_at = self._looked_at
+        known: ObjectShapes | None = None
+        if looked_at is not None and looked_at[0] is document and looked_at[1] == names:
+            known = looked_at[2]
         models = [
             model
-            for model in resolved(self._drawing.document).values()
+            for model in resolved(document).values()
             if (model.visible if names is None else model.name in names)
         ]
 
@@ -236,7 +253,7 @@ class Exchange(QObject):
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
 
-            objects = object_shapes(bench, models, job)
+            objects = object_shapes(bench, models, job) if known is None else known
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
             asked = handover or AS_USUAL
             made = prepared_files(

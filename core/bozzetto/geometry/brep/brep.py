@@ -14,6 +14,7 @@ from bozzetto.arrays import Array, Index, frozen
 from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import curve_derivative, span_parameters
+from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
 
@@ -162,6 +163,11 @@ class Face:
         edged = [any(trim.edge is not None for trim in loop) for loop in self.loops]
         if not edged or not all(edged):
             raise ValueError("a face needs an outer loop, and a loop at least one edge")
+        # A face that only gets another name or look has the loops that were checked before.
+        sides = (tuple((trim.curve, trim.forward) for trim in loop) for loop in self.loops)
+        kept(self.surface, ("loops", *sides), self._check_loops)
+
+    def _check_loops(self) -> None:
         low, high = np.transpose(self.surface.ranges)
         slack = OFF * (high - low)
         for number, loop in enumerate(self.loops):
@@ -283,26 +289,18 @@ class Brep:
 
     def largest_gap(self) -> float:
         """Return the largest distance between edges and their faces where they are checked, mm."""
-        at = [span_parameters(edge.degree, edge.knots, CHECKS) for edge in self.edges]
-        places = [edge.value(t) for edge, t in zip(self.edges, at, strict=True)]
-        worst = 0.0
-        for face in self.faces:
-            wanted, parameters = [], []
-            for trim in face.trims:
-                if trim.edge is None:
-                    here = trim.curve.value(np.linspace(*trim.curve.range, CHECKS + 1))
-                    pole = face.surface.value(*here[:1].T)
-                    wanted.append(np.repeat(pole, len(here), axis=0))
-                elif not np.allclose(trim.curve.range, self.edges[trim.edge].range, 1e-12, 1e-12):
-                    raise ValueError("a trim runs over the range of its edge")
-                else:
-                    here = trim.curve.value(np.clip(at[trim.edge], *trim.curve.range))
-                    wanted.append(places[trim.edge])
-                parameters.append(here)
-            found = face.surface.value(*np.concatenate(parameters).T)
-            gaps = np.linalg.norm(found - np.concatenate(wanted), axis=1)
-            worst = max(worst, float(gaps.max()))
-        return worst
+        return max(self._gap(face) for face in self.faces)
+
+    def _gap(self, face: Face) -> float:
+        """Return the largest distance between a face and its edges, mm.
+
+        A face that only gets another name or look lies where it lay: its distance is kept.
+        """
+        sides = tuple(
+            (trim.curve, None if trim.edge is None else self.edges[trim.edge])
+            for trim in face.trims
+        )
+        return kept(face.surface, ("gap", *sides), lambda: _gap_of(face.surface, sides))
 
     @cached_property
     def rim(self) -> Index:
@@ -402,6 +400,37 @@ def gap_tolerance(points: Iterable[Array]) -> float:
     rows = np.concatenate([p.reshape(-1, 3) for p in points])
     size = float(np.linalg.norm(np.ptp(rows, axis=0)))
     return GAP * size + ROUNDING * float(np.abs(rows).max())
+
+
+def _gap_of(surface: BSplineSurface, sides: Iterable[tuple[ParameterCurve, Curve | None]]) -> float:
+    """Return the largest distance between sides on a surface and their edges, mm.
+
+    A side without an edge is a pole, and must stay in one place.
+    """
+    wanted, parameters = [], []
+    for curve, edge in sides:
+        if edge is None:
+            here = curve.value(np.linspace(*curve.range, CHECKS + 1))
+            wanted.append(np.repeat(surface.value(*here[:1].T), len(here), axis=0))
+        elif not np.allclose(curve.range, edge.range, 1e-12, 1e-12):
+            raise ValueError("a trim runs over the range of its edge")
+        else:
+            at, places = _checked_places(edge)
+            here = curve.value(np.clip(at, *curve.range))
+            wanted.append(places)
+        parameters.append(here)
+    found = surface.value(*np.concatenate(parameters).T)
+    return float(np.linalg.norm(found - np.concatenate(wanted), axis=1).max())
+
+
+def _checked_places(edge: Curve) -> tuple[Array, Array]:
+    """Return parameters (n,) and places (n, 3) at which an edge is checked against its faces."""
+
+    def checked() -> tuple[Array, Array]:
+        at = span_parameters(edge.degree, edge.knots, CHECKS)
+        return at, edge.value(at)
+
+    return kept(edge, "checked", checked)
 
 
 def _borders(surface: BSplineSurface) -> list[tuple[Array, Array | None]]:

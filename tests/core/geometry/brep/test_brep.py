@@ -11,8 +11,10 @@ import pytest
 from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.geometry import (
     Brep,
+    BSplineSurface,
     Curve,
     Face,
+    GapError,
     ParameterCurve,
     Patchwork,
     Placement,
@@ -234,3 +236,31 @@ def test_documents_keep_breps_in_states():
     again = decode_state(Held, encode_state(state))
     assert same(state, again)
     assert again.brep.is_closed
+
+
+def test_what_only_gets_another_name_is_not_measured_again(monkeypatch):
+    def values(make):
+        asked = []
+        monkeypatch.setattr(
+            BSplineSurface, "value", lambda *args: asked.append(args) or value(*args)
+        )
+        made = make()
+        monkeypatch.setattr(BSplineSurface, "value", value)
+        return made, len(asked)
+
+    value = BSplineSurface.value
+    ball = replace(BALL, faces=tuple(replace(face) for face in BALL.faces))
+    named, measured = values(
+        lambda: replace(
+            ball, name="Ball", faces=tuple(replace(face, name="Skin") for face in ball.faces)
+        )
+    )
+    assert measured == 0
+    assert named.largest_gap() == BALL.largest_gap()
+    # Elsewhere everything is measured, and an edge that has moved alone is found.
+    assert values(lambda: ball.placed(PLACES[0]))[1] >= len(ball.faces)
+    edge = ball.edges[0]
+    off = replace(edge, control_points=edge.control_points + np.array((0.0, 0.0, 0.1)))
+    for faces in (ball.faces, named.faces):
+        with pytest.raises(GapError):
+            Brep((off, *ball.edges[1:]), faces)
