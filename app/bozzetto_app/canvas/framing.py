@@ -136,6 +136,7 @@ class Framing(QObject):
         session.commands.begun.connect(self._begun)
         session.files.exchange.clipboard.pasted.connect(self._begun)
         session.shapes.begun.connect(self._begun)
+        session.objects.copied.connect(self._begun)
 
     def end(self) -> None:
         """Leave the view to the person, who is at work."""

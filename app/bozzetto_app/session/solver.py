@@ -19,11 +19,13 @@ from bozzetto.document.links import LinkedModels, is_same_recipe
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto_app.session.copy_places import extent_of
 from bozzetto_app.session.revisions import Revisions, Stage, Task
 from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
+    from bozzetto.arrays import Array
     from bozzetto.document.model import Model
     from bozzetto.plugin.job import Job
     from bozzetto.scene.display_list import Layer, Scene
@@ -160,6 +162,14 @@ class Solver(QObject):
         for model in self._drawing.document:
             if model.visible and model.id in self._shown:
                 yield from self._shown[model.id].scene.layers
+
+    def extent(self, model_id: str) -> Array:
+        """Return the box of what is shown of a model, or would be if it were visible, (2, 3) mm.
+
+        NaN if there is nothing; see `extent_of`.
+        """
+        found = self._shown.get(model_id)
+        return extent_of(() if found is None else found.scene.layers)
 
     def shown(self, model_id: str) -> Model | None:
         """Return the state of a model that is shown; None if nothing of it is."""
