@@ -180,11 +180,17 @@ class ObjectEdits(QObject):
         self.tell_frozen(before)
 
     def duplicate(self, *model_ids: str) -> None:
-        """Put copies of models beside them; a copy follows copies where there are any."""
+        """Put copies of models beside them, and select the last one.
+
+        A copy follows copies where there are any.
+        """
         before = self._drawing.document
         models = [model for model in before if model.id in model_ids]
         self.edit(edit.duplicate_models, model_ids, self.relinked, self._step_from(models))
-        if self._drawing.document is not before:
+        there = {model.id for model in before}
+        copies = [model.id for model in self._drawing.document if model.id not in there]
+        if copies:
+            self._selection.select(copies[-1])
             self.copied.emit()
 
     def paste(self, copied: Document) -> None:
