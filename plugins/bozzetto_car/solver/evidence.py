@@ -60,6 +60,9 @@ the eye and does not grow with the tremor of the pen."""
 _GRID: Final = tuple(grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
 """All pairs of a spread and a hand."""
 
+_LOGS: Final = np.log(_GRID)
+"""Their logarithms, (2, g)."""
+
 _RATIO: Final = (_GRID[0] / _GRID[1]) ** 2
 """Squares of their ratios."""
 
@@ -258,6 +261,19 @@ def _side_by_side(template: Template, costs: tuple[Cost, ...]) -> Array:
     return np.hstack([_factor(template, cost) for cost in costs])
 
 
+@lru_cache
+def _expected(bend: float, anyone: bool) -> Array:
+    """Return the logarithms of the probability of every pair of a spread and a hand, (g,)."""
+    spreads, hands = _LOGS
+    apart = (hands / np.log(STEADY)) ** 2
+    logs = -np.log1p(apart) if anyone else -0.5 * apart
+    logs -= 0.5 * ((spreads - np.log(USUAL[0])) / np.log(USUAL[1])) ** 2
+    if bend > 0.0:
+        bent = (np.log(bend / USUAL_BEND[0]) + hands) / np.log(USUAL_BEND[1])
+        logs -= 0.5 * bent**2
+    return np.asarray(logs)
+
+
 class Evidence:
     """The probability of the marks of sketches, for all spreads and hands together.
 
@@ -292,21 +308,12 @@ class Evidence:
         misfits: Array,
         anyone: bool,
     ) -> None:
-        spreads, hands = _GRID
         rank = sum(sketch.rank for sketch in sketches)
-        logs: Array = -0.5 * (sizes + 2.0 * rank * np.log(hands) + misfits / hands**2)
-        apart = (np.log(hands) / np.log(STEADY)) ** 2
-        logs -= np.log1p(apart) if anyone else 0.5 * apart
-        logs -= sum(sketch.log_size for sketch in sketches)
-        logs -= 0.5 * (np.log(spreads / USUAL[0]) / np.log(USUAL[1])) ** 2
-        if bend > 0.0:
-            bent = np.log(bend * hands / USUAL_BEND[0]) / np.log(USUAL_BEND[1])
-            logs -= 0.5 * bent**2
+        known = rank * _LOGS[1] + sum(sketch.log_size for sketch in sketches)
+        logs: Array = _expected(bend, anyone) - known - 0.5 * (sizes + misfits / _GRID[1] ** 2)
         self.total = float(log_of_sum(logs))
         self._logs = logs - self.total
-        self.log_spread, self.log_hand = (
-            float(np.exp(self._logs) @ np.log(grid)) for grid in (spreads, hands)
-        )
+        self.log_spread, self.log_hand = (_LOGS @ np.exp(self._logs)).tolist()
 
     @property
     def spread(self) -> float:
