@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -45,6 +45,9 @@ Directions = tuple[Array, Array]
 NEAR_END: Final = 0.25
 """Distance of the end of a stroke from a node, per length of the edge in the view, within which the
 stroke is taken to end in the node."""
+
+ROUNDING: Final = 1e-9
+"""Excess of a handle, as a share, that counts as none."""
 
 PIECES: Final = 20
 """Pieces of an edge for the decision whether it is seen."""
@@ -112,7 +115,8 @@ def trace(
     Raises
     ------
     UserError
-        If the stroke runs along no edge, or along nothing but edges that are seen end-on.
+        If the stroke runs along no edge, or along nothing but edges that are seen end-on, or would
+        turn one back on itself.
     """
     run = find_run(network, stroke, camera, edges, directed=nodes_follow)
     shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
@@ -133,7 +137,39 @@ def trace(
     if held:
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
         bent = smooth_chains(bent, leading=own, nodes=run.nodes)  # rounding, no more
+    refuse_loops(network, bent, own)
     return Traced(bent, run, camera)
+
+
+def refuse_loops(before: Network, after: Network, edges: Collection[int] | None = None) -> None:
+    """Raise `UserError` where a stroke has given an edge a handle that is longer than its chord.
+
+    No stroke from node to node does that, for a half circle has two thirds. It runs beside an edge
+    that is another one by now, and a fit to it says nothing: it would change at random with the
+    last digit of a mark.
+
+    Parameters
+    ----------
+    before, after : Network
+        Without the stroke, in which handles may be as long, and with it.
+    edges : collection of int, optional
+        The edges to look at; all by default.
+    """
+    old, new = before.control_points, after.control_points
+    longest = np.maximum(np.linalg.norm(new[:, 3] - new[:, 0], axis=1), _longest_handles(old))
+    turned = _longest_handles(new) > longest * (1.0 + ROUNDING)
+    for edge in np.flatnonzero(turned).tolist():
+        if edges is None or edge in edges:
+            raise UserError(
+                f"The stroke would turn {after.template.edge_names[edge]} back on itself, for it "
+                "runs elsewhere by now. Trace the edge again."
+            )
+
+
+def _longest_handles(points: Array) -> Array:
+    """Return the length of the longer handle of edges (m, 4, 3), mm, (m,)."""
+    legs = points[:, [1, 2]] - points[:, [0, 3]]
+    return np.asarray(np.linalg.norm(legs, axis=2).max(axis=1))
 
 
 def _own(network: Network, signed: int) -> int:
