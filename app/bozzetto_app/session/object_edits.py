@@ -18,7 +18,7 @@ from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
-    from bozzetto.document.edit import Edit
+    from bozzetto.document.edit import Edit, Vector
     from bozzetto.document.model import Document, Model
     from bozzetto.geometry.placement import Placement
     from bozzetto.parameters import Field
@@ -199,7 +199,7 @@ class ObjectEdits(QObject):
         models = [m for m in self._drawing.document if (id(m.state), m.placement) in there]
         self.edit(edit.paste_models, copied, self.relinked, self._step_from(models))
 
-    def _step_from(self, models: Sequence[Model]) -> edit.Vector:
+    def _step_from(self, models: Sequence[Model]) -> Vector:
         """Return the way by which copies are told from models of the document, mm.
 
         They lie beside them and in nobody's way; of what shows nothing a little aside.
