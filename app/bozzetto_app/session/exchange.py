@@ -117,6 +117,7 @@ class Exchange(QObject):
         notices.watch(self._work)
         self._imports: WeakSet[Request] = WeakSet()
         self._foresight = Channel("foresee", is_patient=True, parent=self)
+        self._newest_look: object = None
         self._looked_at: tuple[Document, Sequence[str] | None, ObjectShapes] | None = None
         drawing.closing.connect(self._drop_imports)
         self.films = Films(workbench, drawing, view, notices, self)
@@ -202,11 +203,11 @@ class Exchange(QObject):
         handover, names
             As in `export`.
         """
-        work = self._making(names, handover)
+        work = self._making(names, handover, keep=True)
         paths = tuple(Path(f"a{ending}") for ending in endings)
-        document = self._drawing.document
+        newest = self._newest_look = object()
 
-        def look(job: Job) -> tuple[Foreseen, ObjectShapes]:
+        def look(job: Job) -> Foreseen:
             from bozzetto.exchange.export import Ready
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.exchange.triangle_budget import triangle_count
@@ -215,34 +216,34 @@ class Exchange(QObject):
             ready = Ready(objects.shapes, handover or AS_USUAL)
             sizes = [len(file.data) + sum(len(data) for _, data in file.beside) for file in made]
             told = (*objects.warnings(), *_warnings(made))
-            seen = Foreseen(
+            return Foreseen(
                 ready.size,
                 triangle_count(ready.triangles),
                 tuple(zip(endings, sizes, strict=True)),
                 tuple(dict.fromkeys(told)),
             )
-            return seen, objects
 
-        def done(answer: tuple[Foreseen, ObjectShapes]) -> None:
-            seen, objects = answer
-            self._looked_at = document, names, objects
-            self.foreseen.emit(seen)
+        def done(seen: Foreseen) -> None:
+            if self._newest_look is newest:
+                self.foreseen.emit(seen)
 
         def refused(problem: BaseException) -> None:
-            if isinstance(problem, UserError):
-                self.not_foreseen.emit(problem.message)
-            else:
+            if not isinstance(problem, UserError):
                 self._notices.complain(problem)
+            elif self._newest_look is newest:
+                self.not_foreseen.emit(problem.message)
 
         self._foresight.submit(Request(look, done, refused))
 
-    def _making(self, names: Sequence[str] | None, handover: Handover | None) -> Any:
-        """Return the work of a worker that makes files of the document as it is now."""
+    def _making(
+        self, names: Sequence[str] | None, handover: Handover | None, *, keep: bool = False
+    ) -> Any:
+        """Return the work of a worker that makes files of the document as it is now.
+
+        Where asked to it keeps the shapes until `forget`. Those that are kept are taken.
+        """
         bench, camera, document = self._workbench, self._view.camera, self._drawing.document
-        looked_at = self._looked_at
-        known: ObjectShapes | None = None
-        if looked_at is not None and looked_at[0] is document and looked_at[1] == names:
-            known = looked_at[2]
+        known = self._kept_shapes(document, names)
         models = [
             model
             for model in resolved(document).values()
@@ -253,8 +254,12 @@ class Exchange(QObject):
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
 
-            objects = object_shapes(bench, models, job) if known is None else known
+            objects = known or self._kept_shapes(document, names)
+            if objects is None:
+                objects = object_shapes(bench, models, job)
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
+            if keep:
+                self._looked_at = document, names, objects
             asked = handover or AS_USUAL
             made = prepared_files(
                 objects, paths, camera, whole=False, handover=asked, checkpoint=job.checkpoint
@@ -262,6 +267,12 @@ class Exchange(QObject):
             return objects, made
 
         return work
+
+    def _kept_shapes(self, document: Document, names: Sequence[str] | None) -> ObjectShapes | None:
+        """Return the shapes of objects of a document that the last look has made; None if none."""
+        kept = self._looked_at
+        is_same = kept is not None and kept[0] is document and kept[1] == names
+        return kept[2] if kept is not None and is_same else None
 
     def import_text(self, content: bytes) -> None:
         """Bring a drawing in SVG onto the sheet that is in no file, as from the clipboard."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from threading import Event
 
 import numpy as np
 import pytest
@@ -223,3 +224,28 @@ def test_shapes_are_made_once_for_all_looks_and_the_export(
     again.objects.item(0).setCheckState(Qt.CheckState.Unchecked)
     ready(qtbot, again)
     assert len(asked) == 3 * first + 1
+
+
+def test_the_answer_to_a_choice_that_has_changed_is_not_shown(window, qtbot, monkeypatch):
+    """Its shapes are taken all the same: while the first look goes on another format is chosen."""
+    bench, asked, go_on = window.session.workbench, [], Event()
+    make = bench.shapes
+
+    def late(*args):
+        asked.append(args)
+        assert go_on.wait(20.0)
+        return make(*args)
+
+    monkeypatch.setattr(bench, "shapes", late)
+    seen = []
+    window.session.files.exchange.foreseen.connect(seen.append)
+    dialog = opened(window)
+    choose(dialog, "stl")
+    qtbot.waitUntil(lambda: bool(asked), timeout=20_000)
+    choose(dialog, "obj")
+    qtbot.wait(600)
+    go_on.set()
+    ready(qtbot, dialog)
+    assert [[ending for ending, _ in one.files] for one in seen] == [[".obj"]]
+    assert "OBJ" in dialog.state.text()
+    assert len(asked) == 2
