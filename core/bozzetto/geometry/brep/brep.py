@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -164,8 +165,7 @@ class Face:
         if not edged or not all(edged):
             raise ValueError("a face needs an outer loop, and a loop at least one edge")
         # A face that only gets another name or look has the loops that were checked before.
-        sides = (tuple((trim.curve, trim.forward) for trim in loop) for loop in self.loops)
-        kept(self.surface, ("loops", *sides), self._check_loops)
+        kept(self.surface, _as_loops(self.loops), self._check_loops)
 
     def _check_loops(self) -> None:
         low, high = np.transpose(self.surface.ranges)
@@ -205,8 +205,11 @@ class Face:
 
     def placed(self, placement: Placement) -> Face:
         """Return the face moved by a placement; turned over where that mirrors."""
-        loops = self._turned_loops() if placement.mirrors else self.loops
-        return replace(self, surface=self.surface.placed(placement), loops=loops)
+        surface = self.surface.placed(placement)
+        if placement.mirrors:
+            return replace(self, surface=surface, loops=self._turned_loops())
+        kept(surface, _as_loops(self.loops), lambda: None)  # u and v stay what they were
+        return replace(self, surface=surface)
 
     def _turned_loops(self) -> tuple[Loop, ...]:
         return tuple(tuple(t.turned_over() for t in reversed(loop)) for loop in self.loops)
@@ -296,10 +299,7 @@ class Brep:
 
         A face that only gets another name or look lies where it lay: its distance is kept.
         """
-        sides = tuple(
-            (trim.curve, None if trim.edge is None else self.edges[trim.edge])
-            for trim in face.trims
-        )
+        sides = _as_sides(face, self.edges)
         return kept(face.surface, ("gap", *sides), lambda: _gap_of(face.surface, sides))
 
     @cached_property
@@ -382,11 +382,27 @@ class Brep:
         """Return the faces moved by a placement; an outside stays the outside."""
         if placement.is_identity:
             return self
-        return replace(
-            self,
-            edges=tuple(edge.placed(placement) for edge in self.edges),
-            faces=tuple(face.placed(placement) for face in self.faces),
-        )
+        edges = tuple(edge.placed(placement) for edge in self.edges)
+        faces = tuple(face.placed(placement) for face in self.faces)
+        for old, new in zip(self.faces, faces, strict=True):
+            # Distances grow with the scale, and rounding is far below what a gap may be.
+            gap = placement.scale * self._gap(old)
+            kept(new.surface, ("gap", *_as_sides(new, edges)), partial(float, gap))
+        return replace(self, edges=edges, faces=faces)
+
+
+def _as_loops(loops: tuple[Loop, ...]) -> tuple[object, ...]:
+    """Return what tells loops on a surface apart from others, but for the edges that they name."""
+    return "loops", *(tuple((trim.curve, trim.forward) for trim in loop) for loop in loops)
+
+
+def _as_sides(
+    face: Face, edges: tuple[Curve, ...]
+) -> tuple[tuple[ParameterCurve, Curve | None], ...]:
+    """Return the sides of a face with their edges; None at a pole."""
+    return tuple(
+        (trim.curve, None if trim.edge is None else edges[trim.edge]) for trim in face.trims
+    )
 
 
 def refuse_far(points: Array) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -257,8 +258,14 @@ def test_what_only_gets_another_name_is_not_measured_again(monkeypatch):
     )
     assert measured == 0
     assert named.largest_gap() == BALL.largest_gap()
-    # Elsewhere everything is measured, and an edge that has moved alone is found.
-    assert values(lambda: ball.placed(PLACES[0]))[1] >= len(ball.faces)
+    # Elsewhere it is as it was, and an edge that has moved alone is found.
+    for place in PLACES:
+        moved, measured = values(partial(ball.placed, place))
+        assert measured == 0
+        anew = tuple(replace(face, surface=replace(face.surface)) for face in moved.faces)
+        gap, measured = values(lambda edges=moved.edges, anew=anew: Brep(edges, anew).largest_gap())
+        assert measured >= len(anew)
+        assert moved.largest_gap() == pytest.approx(gap, rel=0.1, abs=moved.tolerance / 10)
     edge = ball.edges[0]
     off = replace(edge, control_points=edge.control_points + np.array((0.0, 0.0, 0.1)))
     for faces in (ball.faces, named.faces):
