@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -115,8 +115,7 @@ def trace(
     Raises
     ------
     UserError
-        If the stroke runs along no edge, or along nothing but edges that are seen end-on, or would
-        turn one back on itself.
+        If the stroke runs along no edge, or along nothing but edges that are seen end-on.
     """
     run = find_run(network, stroke, camera, edges, directed=nodes_follow)
     shown = [edge for edge in run.edges if _is_seen(network, max(edge, ~edge), camera)]
@@ -137,11 +136,10 @@ def trace(
     if held:
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
         bent = smooth_chains(bent, leading=own, nodes=run.nodes)  # rounding, no more
-    refuse_loops(network, bent, own)
     return Traced(bent, run, camera)
 
 
-def refuse_loops(before: Network, after: Network, edges: Collection[int] | None = None) -> None:
+def refuse_loops(before: Network, after: Network) -> None:
     """Raise `UserError` where a stroke has given an edge a handle that is longer than its chord.
 
     No stroke from node to node does that, for a half circle has two thirds. It runs beside an edge
@@ -152,18 +150,15 @@ def refuse_loops(before: Network, after: Network, edges: Collection[int] | None 
     ----------
     before, after : Network
         Without the stroke, in which handles may be as long, and with it.
-    edges : collection of int, optional
-        The edges to look at; all by default.
     """
     old, new = before.control_points, after.control_points
     longest = np.maximum(np.linalg.norm(new[:, 3] - new[:, 0], axis=1), _longest_handles(old))
-    turned = _longest_handles(new) > longest * (1.0 + ROUNDING)
-    for edge in np.flatnonzero(turned).tolist():
-        if edges is None or edge in edges:
-            raise UserError(
-                f"The stroke would turn {after.template.edge_names[edge]} back on itself, for it "
-                "runs elsewhere by now. Trace the edge again."
-            )
+    turned = np.flatnonzero(_longest_handles(new) > longest * (1.0 + ROUNDING))
+    if len(turned):
+        raise UserError(
+            f"The stroke would turn {after.template.edge_names[turned[0]]} back on itself. Trace "
+            "the edge again where it is now."
+        )
 
 
 def _longest_handles(points: Array) -> Array:
