@@ -22,7 +22,7 @@ from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.body.edits_preview import OnPicture, carried
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
-from bozzetto_car.body.trace_edges import refuse_loops, trace
+from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
 from bozzetto_car.solver.initial_cameras import counted_marks
@@ -373,13 +373,11 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
         map_ = _map_to(body.network, edit.dimensions)
         there = body.network if map_ is None else stretch(body.network, map_)
         network, edges = _changed(there, edit, body)
-        in_hand = _with_images(body.template, edges)
-        if smooth:
-            network = lock_ratios(network, _firmness(body, in_hand))
-        if isinstance(edit, TracedEdges):
-            refuse_loops(there, network)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
+    in_hand = _with_images(body.template, edges)
+    if smooth:
+        network = lock_ratios(network, _firmness(body, in_hand))
     if map_ is not None:
         network = undo_stretch(body.network, there, network, map_)
     traced = body.traced

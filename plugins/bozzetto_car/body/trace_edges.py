@@ -46,9 +46,6 @@ NEAR_END: Final = 0.25
 """Distance of the end of a stroke from a node, per length of the edge in the view, within which the
 stroke is taken to end in the node."""
 
-ROUNDING: Final = 1e-9
-"""Excess of a handle, as a share, that counts as none."""
-
 PIECES: Final = 20
 """Pieces of an edge for the decision whether it is seen."""
 
@@ -137,34 +134,6 @@ def trace(
         bent = _bent(bent, run, camera, {edge: held.get(edge, free[edge]) for edge in own})
         bent = smooth_chains(bent, leading=own, nodes=run.nodes)  # rounding, no more
     return Traced(bent, run, camera)
-
-
-def refuse_loops(before: Network, after: Network) -> None:
-    """Raise `UserError` where a stroke has given an edge a handle that is longer than its chord.
-
-    No stroke from node to node does that, for a half circle has two thirds. It runs beside an edge
-    that is another one by now, and a fit to it says nothing: it would change at random with the
-    last digit of a mark.
-
-    Parameters
-    ----------
-    before, after : Network
-        Without the stroke, in which handles may be as long, and with it.
-    """
-    old, new = before.control_points, after.control_points
-    longest = np.maximum(np.linalg.norm(new[:, 3] - new[:, 0], axis=1), _longest_handles(old))
-    turned = np.flatnonzero(_longest_handles(new) > longest * (1.0 + ROUNDING))
-    if len(turned):
-        raise UserError(
-            f"The stroke would turn {after.template.edge_names[turned[0]]} back on itself. Trace "
-            "the edge again where it is now."
-        )
-
-
-def _longest_handles(points: Array) -> Array:
-    """Return the length of the longer handle of edges (m, 4, 3), mm, (m,)."""
-    legs = points[:, [1, 2]] - points[:, [0, 3]]
-    return np.asarray(np.linalg.norm(legs, axis=2).max(axis=1))
 
 
 def _own(network: Network, signed: int) -> int:
