@@ -134,6 +134,7 @@ class Solver(QObject):
         self._workbench, self._notices = workbench, notices
         self._drawing, self._selection = drawing, selection
         self._shown: dict[str, _Answer] = {}
+        self._extents: dict[str, tuple[Scene, Array]] = {}
         self._revisions = Revisions()
         self._linked = LinkedModels()
         self._last_report: tuple[Model, Report] | None = None
@@ -169,7 +170,12 @@ class Solver(QObject):
         NaN if there is nothing; see `extent_of`.
         """
         found = self._shown.get(model_id)
-        return extent_of(() if found is None else found.scene.layers)
+        if found is None:
+            return extent_of(())
+        known = self._extents.get(model_id)
+        if known is None or known[0] is not found.scene:
+            known = self._extents[model_id] = found.scene, extent_of(found.scene.layers)
+        return known[1]
 
     def shown(self, model_id: str) -> Model | None:
         """Return the state of a model that is shown; None if nothing of it is."""
@@ -189,6 +195,7 @@ class Solver(QObject):
         self._revisions.forget()
         self._linked.forget()
         self._shown.clear()
+        self._extents.clear()
         self._awaited.clear()
         self._quick.clear()
         self._last_report = None
@@ -239,6 +246,7 @@ class Solver(QObject):
         document, dragging = self._drawing.document, self._drawing.is_dragging
         known = {model.id for model in document}
         self._shown = {key: answer for key, answer in self._shown.items() if key in known}
+        self._extents = {key: each for key, each in self._extents.items() if key in known}
         self._ask(dragging=dragging)
         if dragging:
             self._rest.start()

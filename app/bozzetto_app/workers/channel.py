@@ -17,7 +17,6 @@ import logging
 import math
 import sys
 import threading
-import time
 import traceback
 import weakref
 from collections import deque
@@ -29,6 +28,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from bozzetto.awake_time import awake_time
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.guard.guard import Overrun
 from bozzetto.plugin.guard.watchdog import interrupt
@@ -139,7 +139,7 @@ class Request:
     def abandon(self) -> None:
         """Say that nobody wants the answer any more."""
         if self.abandoned_at is None:
-            self.abandoned_at = time.monotonic()
+            self.abandoned_at = awake_time()
 
 
 class _Worker:
@@ -321,7 +321,7 @@ class Channel(QObject):
             return
         request = self._waiting.popleft()
         self._running = request
-        request.seen_alive = time.monotonic()
+        request.seen_alive = awake_time()
         self._watch.start()
         self.busy_changed.emit(True)
         self._hand_over(request)
@@ -343,7 +343,7 @@ class Channel(QObject):
 
     def _work(self, request: Request, arguments: tuple[Any, ...]) -> None:
         def progress(fraction: float, step: str) -> None:
-            request.seen_alive = now = time.monotonic()
+            request.seen_alive = now = awake_time()
             if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
                 self._last_progress = now
                 call_on_main_thread(self, self.progressed.emit, float(fraction), str(step))
@@ -382,7 +382,7 @@ class Channel(QObject):
             self.busy_changed.emit(False)
 
     def _look_at_the_clock(self) -> None:
-        now = time.monotonic()
+        now = awake_time()
         self._interrupt_the_hung(now)
         request = self._running
         if request is None:

@@ -219,7 +219,7 @@ def test_a_dropped_part_lands_where_it_was_let_go(source, target, on):
     tree = fakes.horse_parts()
     session_of = {"m1": tree}
     document = fakes.FakeSession(Path()).drawing.document
-    entries = list(entries_of(document, session_of.get, lambda _: True, ()))
+    entries = list(entries_of(document, lambda model: session_of.get(model.id), lambda _: True, ()))
     if target >= len(entries) and on:
         return
     part = entries[source].id
@@ -248,7 +248,9 @@ def test_a_dropped_part_lands_where_it_was_let_go(source, target, on):
 
 def test_nothing_is_moved_that_is_dropped_where_it_is(fake_session):
     tree = fakes.horse_parts()
-    entries = list(entries_of(fake_session.drawing.document, {"m1": tree}.get, lambda _: True, ()))
+    document = fake_session.drawing.document
+    trees = {"m1": tree}
+    entries = list(entries_of(document, lambda model: trees.get(model.id), lambda _: True, ()))
     gaps = ((1, 1), (1, 2), (2, 3), (4, 4), (1, 12))
     rows = ((1, 9), (3, 3), (1, 2))
     for source, target, on in (*((*g, False) for g in gaps), *((*r, True) for r in rows)):

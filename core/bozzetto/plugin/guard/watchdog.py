@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import ctypes
 import threading
-import time
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
+from bozzetto.awake_time import awake_time, wait_awake
 from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot
 from bozzetto.plugin.guard.guard import Guard, Overrun, PluginFault
 
@@ -97,9 +97,9 @@ class Watchdog:
         """
         before = ArgumentSnapshot(arguments)
         call = _Call(lambda: self.guard.call(modeler_id, what, function, *arguments))
-        if not call.ended.wait(self.limit):
-            until = time.monotonic() + GRACE
-            while not call.ended.is_set() and time.monotonic() < until:
+        if not wait_awake(call.ended, self.limit):
+            until = awake_time() + GRACE
+            while not call.ended.is_set() and awake_time() < until:
                 interrupt(call.thread)
                 call.ended.wait(REPEAT)
             before.restore()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from bozzetto.document.model import Document
+from bozzetto.document.model import Document, Model
 from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.widgets.swatch import chart
@@ -271,3 +271,24 @@ def test_only_rows_of_what_is_another_are_shown_anew(crowd, fake_session, qtbot,
     fake_session.drawing.changed.emit()
     assert shown == ["n7"]
     assert "Foal" in [row.name.text() for row in rows(crowd, ModelRow)]
+
+
+def test_a_long_list_looks_for_no_object_one_by_one(qtbot, fake_session, monkeypatch):
+    """A search for each row would take a hundred times as long for ten times as many."""
+    models = tuple(
+        Model(f"many-{k}", f"Shape {k}", "bozzetto.silhouette", None) for k in range(200)
+    )
+    fake_session.drawing.document = Document(models)
+    panel = ObjectsPanel(fake_session)
+    qtbot.addWidget(panel)
+    qtbot.waitUntil(lambda: all(
+        panel.list.itemWidget(panel.list.item(row)) for row in range(panel.list.count())
+    ))  # fmt: skip
+    searches = []
+    place_of = Document.place_of
+    monkeypatch.setattr(
+        Document, "place_of", lambda *given: searches.append(given) or place_of(*given)
+    )
+    fake_session.selection.select("many-150")
+    panel.refresh()
+    assert len(searches) <= 5
