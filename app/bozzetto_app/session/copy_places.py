@@ -30,13 +30,15 @@ ACROSS: Final = 0.5
 
 
 def extent_of(layers: Iterable[Layer]) -> Array:
-    """Return the box of the surfaces of layers, else of their lines, (2, 3) mm; NaN for none.
+    """Return the box of layers with surfaces, else of all lines, (2, 3) mm; NaN for none.
 
     What a tool shows, or what is shown of a selected model only, does not count.
     """
-    seen = Scene(tuple(layer for layer in layers if not layer.tool and not layer.chosen))
-    surfaces = seen.of_kinds(Shaded).bounds()
-    return surfaces if np.isfinite(surfaces).all() else seen.of_kinds(Lines, Points).bounds()
+    seen = [layer for layer in layers if not layer.tool and not layer.chosen]
+    solid = [layer for layer in seen if any(isinstance(item, Shaded) for item in layer.items)]
+    if solid:
+        return Scene(tuple(solid)).bounds()
+    return Scene(tuple(seen)).of_kinds(Lines, Points).bounds()
 
 
 def step_beside(camera: Camera, copied: Sequence[Array], others: Sequence[Array]) -> Vector | None:
