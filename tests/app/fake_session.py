@@ -318,6 +318,7 @@ class Shapes(Part):
 
 
 class Objects(Part):
+    copied = Signal()
     recorded = (
         "end_drag rename set_visible set_locked set_color delete duplicate move_to "
         "set_underlay_opacity set_underlay_visible delete_underlay set_placement"

@@ -101,6 +101,17 @@ def guide(window):
     return window.findChild(GuidePanel)
 
 
+def one_marked_sketch(folder):
+    """A file of a car with eight marks on one sketch."""
+    facts = {name: value for name, value in SEDAN.items() if name != "styling"}
+    few = dict(list(FIRST["marks"].items())[:8])
+    facts["views"] = [{"kind": FIRST["kind"], "image": FIRST["image"], "marks": few}]
+    (folder / "one.json").write_text(json.dumps(facts), "utf-8")
+    picture = picture_of(FIRST)
+    (folder / picture.name).write_bytes(picture.read_bytes())
+    return folder / "one.json"
+
+
 def near_first(marks):
     """Wheels, the middle, then the side that is seen."""
     side = "R" if "S1.R" in marks else "L"
@@ -273,19 +284,36 @@ def test_a_second_sketch_comes_into_view(window, settle):
     assert session.advice.advice.pinned
 
 
+def test_undo_of_a_second_sketch_brings_the_view_back_to_the_first(window, settle, tmp_path):
+    session = window.session
+    drop(window, one_marked_sketch(tmp_path), settle)
+    window.canvas.views.turn_to_better()
+    settle(session, window.keeper)
+    settle(session, window.keeper)
+    places = corners(window)
+    drop(window, picture_of(SECOND), settle)
+    there = session.view.camera
+    for _ in range(2):
+        session.drawing.undo()
+        settle(session, window.keeper)
+        settle(session, window.keeper)
+        assert len(state(window).sketches) == 1
+        assert session.advice.advice.pinned
+        assert np.allclose(corners(window), places, atol=1.0)
+        session.drawing.redo()
+        settle(session, window.keeper)
+        settle(session, window.keeper)
+        assert session.advice.advice.pinned
+        assert np.allclose(session.view.camera.eye, there.eye, atol=1.0)
+
+
 @pytest.mark.parametrize("shading", ["shaded", "zebra"])
 def test_a_second_sketch_of_a_finished_car_takes_marks_at_once(
     window, settle, qtbot, tmp_path, shading
 ):
     """With *Style* in the hand, the parameters in front, and the body before the drawing."""
     session = window.session
-    facts = {name: value for name, value in SEDAN.items() if name != "styling"}
-    few = dict(list(FIRST["marks"].items())[:8])
-    facts["views"] = [{"kind": FIRST["kind"], "image": FIRST["image"], "marks": few}]
-    (tmp_path / "one.json").write_text(json.dumps(facts), "utf-8")
-    picture = picture_of(FIRST)
-    (tmp_path / picture.name).write_bytes(picture.read_bytes())
-    drop(window, tmp_path / "one.json", settle)
+    drop(window, one_marked_sketch(tmp_path), settle)
     assert session.solver.report["views"][0]["solved"]
     session.objects.set_parameter("shading", shading)
     session.toolbox.take_tool("style")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from PySide6.QtCore import QObject
 
+from bozzetto.scene.display_list import Scene
 from bozzetto.view.navigation import fit_points, pan, with_kind
 from bozzetto.view.standard_views import standard_view
 from bozzetto_app.session.view_state import FIRST_VIEW
@@ -124,6 +125,7 @@ class Framing(QObject):
         self._camera: Camera | None = session.view.camera
         self._share = 1.0
         self._must_fit = False
+        self._news: str | None = None
         self._steps = STEPS
         self._last: Camera | None = None
         session.drawing.opened.connect(self._opened)
@@ -136,6 +138,7 @@ class Framing(QObject):
         session.commands.begun.connect(self._begun)
         session.files.exchange.clipboard.pasted.connect(self._begun)
         session.shapes.begun.connect(self._begun)
+        session.objects.copied.connect(self._begun)
 
     def end(self) -> None:
         """Leave the view to the person, who is at work."""
@@ -145,7 +148,7 @@ class Framing(QObject):
         session = self._session
         document, pending = session.drawing.document, session.drawing.pending
         size = session.view.camera.viewport
-        self._share, self._must_fit, self._steps = 1.0, False, STEPS
+        self._share, self._must_fit, self._news, self._steps = 1.0, False, None, STEPS
         if document.camera is not None:
             self._share = KEPT_SHARE
             self._camera = session.view.camera
@@ -179,13 +182,21 @@ class Framing(QObject):
             # modeler knows from where one draws best.
             self._steps -= fresh
             self._show(better.with_viewport(*session.view.camera.viewport))
-        elif self._must_fit or not is_in_view(session.view.camera, points, self._share, covered):
+        elif self._must_fit or not is_in_view(
+            session.view.camera, self._news_of(points), self._share, covered
+        ):
             self._steps -= fresh
             self._show(framed(session.view.camera, points, covered))
         else:
             return
         self._must_fit = False
         self._share = 1.0
+
+    def _news_of(self, points: Array) -> Array:
+        """Return the points of the object that has just come, or all where it shows none yet."""
+        layers = self._session.scene.visible.layers
+        own = Scene(tuple(layer for layer in layers if layer.owner == self._news)).points()
+        return own if self._news and len(own) else points
 
     def _hides_all(self) -> bool:
         """Whether a modeler hides everything in views other than its own."""
@@ -230,8 +241,9 @@ class Framing(QObject):
     def _begun(self) -> None:
         """Frame what was put on the sheet at one word, too: nobody drew it where the eye was.
 
-        The view of a person who has looked elsewhere is kept if most of it is seen there.
+        The view of a person who has looked elsewhere is kept if most of what came is seen there.
         """
+        self._news = self._session.selection.id
         self._share = KEPT_SHARE if self._last is None else 1.0
         self._camera, self._steps = self._last or self._session.view.camera, STEPS
         self._look()

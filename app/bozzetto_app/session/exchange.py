@@ -23,11 +23,12 @@ from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
-    from bozzetto.document.model import Model
+    from bozzetto.document.model import Document, Model
     from bozzetto.exchange.handover import Handover
     from bozzetto.exchange.reading import MeshFile
     from bozzetto.plugin.job import Job
     from bozzetto.view.camera import Camera
+    from bozzetto.workbench.export_document import ObjectShapes
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.session.document_model import DocumentModel
     from bozzetto_app.session.drawing_input import DrawingInput
@@ -116,6 +117,8 @@ class Exchange(QObject):
         notices.watch(self._work)
         self._imports: WeakSet[Request] = WeakSet()
         self._foresight = Channel("foresee", is_patient=True, parent=self)
+        self._newest_look: object = None
+        self._looked_at: tuple[Document, Sequence[str] | None, ObjectShapes] | None = None
         drawing.closing.connect(self._drop_imports)
         self.films = Films(workbench, drawing, view, notices, self)
         for work in (self._work, pictures):
@@ -136,8 +139,9 @@ class Exchange(QObject):
         self.films.channel.cancel()
 
     def forget(self) -> None:
-        """Stop looking what a hand-over would be: nobody waits for it."""
+        """Stop looking what a hand-over would be: nobody waits for it, and its shapes may go."""
         self._foresight.cancel()
+        self._looked_at = None
 
     def export(
         self,
@@ -189,6 +193,9 @@ class Exchange(QObject):
     ) -> None:
         """Look what an export would be, and tell by `foreseen`; nothing is written.
 
+        Until `forget` the next look at the same objects, and their export, are made of the same
+        shapes: a complete car is seconds of work.
+
         Parameters
         ----------
         endings : sequence of str
@@ -196,8 +203,9 @@ class Exchange(QObject):
         handover, names
             As in `export`.
         """
-        work = self._making(names, handover)
+        work = self._making(names, handover, keep=True)
         paths = tuple(Path(f"a{ending}") for ending in endings)
+        newest = self._newest_look = object()
 
         def look(job: Job) -> Foreseen:
             from bozzetto.exchange.export import Ready
@@ -215,20 +223,30 @@ class Exchange(QObject):
                 tuple(dict.fromkeys(told)),
             )
 
+        def done(seen: Foreseen) -> None:
+            if self._newest_look is newest:
+                self.foreseen.emit(seen)
+
         def refused(problem: BaseException) -> None:
-            if isinstance(problem, UserError):
-                self.not_foreseen.emit(problem.message)
-            else:
+            if not isinstance(problem, UserError):
                 self._notices.complain(problem)
+            elif self._newest_look is newest:
+                self.not_foreseen.emit(problem.message)
 
-        self._foresight.submit(Request(look, self.foreseen.emit, refused))
+        self._foresight.submit(Request(look, done, refused))
 
-    def _making(self, names: Sequence[str] | None, handover: Handover | None) -> Any:
-        """Return the work of a worker that makes files of the document as it is now."""
-        bench, camera = self._workbench, self._view.camera
+    def _making(
+        self, names: Sequence[str] | None, handover: Handover | None, *, keep: bool = False
+    ) -> Any:
+        """Return the work of a worker that makes files of the document as it is now.
+
+        Where asked to it keeps the shapes until `forget`. Those that are kept are taken.
+        """
+        bench, camera, document = self._workbench, self._view.camera, self._drawing.document
+        known = self._kept_shapes(document, names)
         models = [
             model
-            for model in resolved(self._drawing.document).values()
+            for model in resolved(document).values()
             if (model.visible if names is None else model.name in names)
         ]
 
@@ -236,8 +254,12 @@ class Exchange(QObject):
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
 
-            objects = object_shapes(bench, models, job)
+            objects = known or self._kept_shapes(document, names)
+            if objects is None:
+                objects = object_shapes(bench, models, job)
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
+            if keep:
+                self._looked_at = document, names, objects
             asked = handover or AS_USUAL
             made = prepared_files(
                 objects, paths, camera, whole=False, handover=asked, checkpoint=job.checkpoint
@@ -245,6 +267,12 @@ class Exchange(QObject):
             return objects, made
 
         return work
+
+    def _kept_shapes(self, document: Document, names: Sequence[str] | None) -> ObjectShapes | None:
+        """Return the shapes of objects of a document that the last look has made; None if none."""
+        kept = self._looked_at
+        is_same = kept is not None and kept[0] is document and kept[1] == names
+        return kept[2] if kept is not None and is_same else None
 
     def import_text(self, content: bytes) -> None:
         """Bring a drawing in SVG onto the sheet that is in no file, as from the clipboard."""

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document import edit
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.workbench.links import with_sources
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.copy_places import step_aside, step_beside
 from bozzetto_app.session.selection import why_locked
 from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
-    from bozzetto.document.edit import Edit
+    from bozzetto.document.edit import Edit, Vector
     from bozzetto.document.model import Document, Model
     from bozzetto.geometry.placement import Placement
     from bozzetto.parameters import Field
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     from bozzetto_app.session.view_state import ViewState
 
 __all__ = ["ObjectEdits", "fields_of"]
-
-BESIDE: Final = 24.0
-"""About how far a copy lies from its like, to the right and down, pixels."""
 
 
 def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, Any], ...]:
@@ -46,8 +43,16 @@ def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, An
     return tuple(sorted(found, key=lambda pair: place.get(pair[0].name, len(place))))
 
 
-class ObjectEdits:
-    """Edits of the objects and underlays of a document."""
+class ObjectEdits(QObject):
+    """Edits of the objects and underlays of a document.
+
+    Signals
+    -------
+    copied
+        Objects were duplicated: there are copies beside them.
+    """
+
+    copied = Signal()
 
     def __init__(
         self,
@@ -57,7 +62,9 @@ class ObjectEdits:
         view: ViewState,
         solver: Solver,
         notices: Notices,
+        parent: QObject | None = None,
     ) -> None:
+        super().__init__(parent)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._view = view
         self._solver, self._notices = solver, notices
@@ -173,32 +180,39 @@ class ObjectEdits:
         self.tell_frozen(before)
 
     def duplicate(self, *model_ids: str) -> None:
-        """Put copies of models beside them; a copy follows copies where there are any."""
-        self.edit(edit.duplicate_models, model_ids, self.relinked, self.beside)
+        """Put copies of models beside them, and select the last one.
+
+        A copy follows copies where there are any.
+        """
+        before = self._drawing.document
+        models = [model for model in before if model.id in model_ids]
+        self.edit(edit.duplicate_models, model_ids, self.relinked, self._step_from(models))
+        there = {model.id for model in before}
+        copies = [model.id for model in self._drawing.document if model.id not in there]
+        if copies:
+            self._selection.select(copies[-1])
+            self.copied.emit()
 
     def paste(self, copied: Document) -> None:
         """Put copied models where they stood, or beside what they would lie on."""
-        self.edit(edit.paste_models, copied, self.relinked, self.beside)
+        there = {(id(model.state), model.placement) for model in copied}
+        models = [m for m in self._drawing.document if (id(m.state), m.placement) in there]
+        self.edit(edit.paste_models, copied, self.relinked, self._step_from(models))
 
-    @property
-    def beside(self) -> tuple[float, float, float]:
-        """The way to the right and down by which a copy is told from its like, mm.
+    def _step_from(self, models: Sequence[Model]) -> Vector:
+        """Return the way by which copies are told from models of the document, mm.
 
-        It goes along two axes of the world by a round number, which are what *Place* shows.
+        They lie beside them and in nobody's way; of what shows nothing a little aside.
         """
+        own = {model.id for model in models}
+        boxes = [self._solver.extent(model.id) for model in models]
+        others = [
+            self._solver.extent(model.id)
+            for model in self._drawing.document
+            if model.visible and model.id not in own
+        ]
         camera = self._view.camera
-        right, up, _ = camera.axes
-        length = BESIDE / camera.pixels_per_mm
-        if not 0.0 < length < math.inf:  # a view at the ends of what numbers hold
-            return edit.IN_PLACE
-        ten = 10.0 ** math.floor(math.log10(length))
-        length = ten * min((1.0, 2.0, 5.0, 10.0), key=lambda each: abs(each - length / ten))
-        across = int(np.argmax(np.abs(right)))
-        down = int(np.argmax(np.where(np.arange(3) == across, 0.0, np.abs(up))))
-        way = [0.0, 0.0, 0.0]
-        way[across] = math.copysign(length, right[across])
-        way[down] = -math.copysign(length, up[down])
-        return way[0], way[1], way[2]
+        return step_beside(camera, boxes, others) or step_aside(camera)
 
     def relinked(self, model: Model, sources: tuple[str, ...]) -> Model:
         """Return a model that is made from others instead, as many and in the same order."""

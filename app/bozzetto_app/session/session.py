@@ -104,7 +104,7 @@ class Session(QObject):
             bench, drawing, selection, toolbox, solver, scene, context, motion, notices, self
         )
         edits = gestures.edits
-        self.objects = objects = ObjectEdits(bench, drawing, selection, view, solver, notices)
+        self.objects = objects = ObjectEdits(bench, drawing, selection, view, solver, notices, self)
         self.parts = parts = ObjectParts(bench, drawing, selection, objects, notices)
         self.commands = ModelerCommands(
             bench, drawing, selection, toolbox, context, edits, notices, self

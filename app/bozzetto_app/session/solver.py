@@ -19,11 +19,13 @@ from bozzetto.document.links import LinkedModels, is_same_recipe
 from bozzetto.errors import Cancelled, UserError
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
+from bozzetto_app.session.copy_places import extent_of
 from bozzetto_app.session.revisions import Revisions, Stage, Task
 from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 from bozzetto_app.workers.main_thread import call_on_main_thread
 
 if TYPE_CHECKING:
+    from bozzetto.arrays import Array
     from bozzetto.document.model import Model
     from bozzetto.plugin.job import Job
     from bozzetto.scene.display_list import Layer, Scene
@@ -132,6 +134,7 @@ class Solver(QObject):
         self._workbench, self._notices = workbench, notices
         self._drawing, self._selection = drawing, selection
         self._shown: dict[str, _Answer] = {}
+        self._extents: dict[str, tuple[Scene, Array]] = {}
         self._revisions = Revisions()
         self._linked = LinkedModels()
         self._last_report: tuple[Model, Report] | None = None
@@ -161,6 +164,19 @@ class Solver(QObject):
             if model.visible and model.id in self._shown:
                 yield from self._shown[model.id].scene.layers
 
+    def extent(self, model_id: str) -> Array:
+        """Return the box of what is shown of a model, or would be if it were visible, (2, 3) mm.
+
+        NaN if there is nothing; see `extent_of`.
+        """
+        found = self._shown.get(model_id)
+        if found is None:
+            return extent_of(())
+        known = self._extents.get(model_id)
+        if known is None or known[0] is not found.scene:
+            known = self._extents[model_id] = found.scene, extent_of(found.scene.layers)
+        return known[1]
+
     def shown(self, model_id: str) -> Model | None:
         """Return the state of a model that is shown; None if nothing of it is."""
         found = self._shown.get(model_id)
@@ -179,6 +195,7 @@ class Solver(QObject):
         self._revisions.forget()
         self._linked.forget()
         self._shown.clear()
+        self._extents.clear()
         self._awaited.clear()
         self._quick.clear()
         self._last_report = None
@@ -229,6 +246,7 @@ class Solver(QObject):
         document, dragging = self._drawing.document, self._drawing.is_dragging
         known = {model.id for model in document}
         self._shown = {key: answer for key, answer in self._shown.items() if key in known}
+        self._extents = {key: each for key, each in self._extents.items() if key in known}
         self._ask(dragging=dragging)
         if dragging:
             self._rest.start()

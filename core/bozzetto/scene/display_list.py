@@ -353,6 +353,15 @@ class Scene:
             return np.full((2, 3), np.nan)
         return np.stack((boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)))
 
+    def of_kinds(self, *kinds: type[Item]) -> Scene:
+        """Return the scene with the items of some kinds only."""
+        return Scene(
+            tuple(
+                replace(layer, items=tuple(i for i in layer.items if isinstance(i, kinds)))
+                for layer in self.layers
+            )
+        )
+
     def points(self) -> NDArray[np.float64]:
         """Return the points to be shown when the scene is framed, shape (n, 3), mm.
 

@@ -13,7 +13,7 @@ from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 from bozzetto.plugin.overrides import overrides
-from bozzetto.scene.display_list import Scene, Shaded
+from bozzetto.scene.display_list import Shaded
 from bozzetto.workbench.links import with_state
 
 if TYPE_CHECKING:
@@ -305,11 +305,12 @@ class ModelSources:
 
         if self._bench.is_foreign(model):
             return NOWHERE
-        shown = _extent_of(self._bench.model_scene(model, result))
+        shown = self._bench.model_scene(model, result).of_kinds(Shaded).bounds()
         if np.isfinite(shown).all():
             return shown
         begun = replace(model, state=self._bench.create(model.modeler, Context()).state)
-        return _extent_of(self._bench.model_scene(begun, self._solved(begun, job)))
+        scene = self._bench.model_scene(begun, self._solved(begun, job))
+        return scene.of_kinds(Shaded).bounds()
 
     def _solved(self, model: Model, job: Job) -> Any:
         try:
@@ -322,12 +323,3 @@ def _around(boxes: Iterable[Box]) -> Box:
     """Return the box around boxes, those without extent left out; NaN around none."""
     found = np.array([box for box in boxes if np.isfinite(box).all()] or [NOWHERE])
     return np.array([found[:, 0].min(axis=0), found[:, 1].max(axis=0)])
-
-
-def _extent_of(scene: Scene) -> Box:
-    """Return the box of the surfaces of a scene, (2, 3); NaN where there are none."""
-    surfaces = (
-        replace(layer, items=tuple(i for i in layer.items if isinstance(i, Shaded)))
-        for layer in scene.layers
-    )
-    return Scene(tuple(surfaces)).bounds()

@@ -119,9 +119,9 @@ def find_run(
     points = points[distinct(points)]
     if arc_length(points)[-1] < SHORTEST:
         raise UserError("The stroke is a dot. Draw along an edge of the car.")
-    paths = edge_pictures(camera, network.control_points, EDGE_PLACES)
-    visible: Flags = np.all(np.abs(paths) <= FARTHEST, axis=(1, 2))
     known = [_in_row(network.template, edges)] if edges else _rows(network.template)
+    looked_at = {max(edge, ~edge) for row in known for edge in row}
+    paths, visible = _pictured(network, camera, np.array(sorted(looked_at)))
     rows = [row for row in known if all(visible[max(e, ~e)] for e in row)]
     if not rows:
         what = "The edge that is meant is not" if edges else "No edge of the car is"
@@ -134,11 +134,36 @@ def find_run(
     else:
         row = _nearest_row(network, camera, paths, rows, places)
     distance = float(_distances(places, paths[[max(e, ~e) for e in row]]).min(axis=1).mean())
-    if distance > REACH * float(np.linalg.norm(np.ptp(paths[visible], axis=(0, 1)))):
+    # What is near for the size of the edges that are meant is near for that of the whole car.
+    if distance > _reach(paths[visible]) and (
+        not edges or distance > _reach_of_car(network, camera)
+    ):
         raise UserError("The stroke is far from every edge of the car. Draw along one of them.")
     ends = [network.template.edges[max(e, ~e)][:: 1 if e >= 0 else -1].tolist() for e in row]
     nodes = (ends[0][0], *(end for _, end in ends))
     return Run(row, nodes, _parts(points, paths, row), distance)
+
+
+def _pictured(network: Network, camera: Camera, edges: Index) -> tuple[Array, Flags]:
+    """Return the pictures of some edges, (m, k, 2) px, infinite for others; and which are in view.
+
+    The rows are those of all edges of the car.
+    """
+    count = len(network.template.edges)
+    paths, visible = np.full((count, EDGE_PLACES + 1, 2), np.inf), np.zeros(count, bool)
+    paths[edges] = found = edge_pictures(camera, network.control_points[edges], EDGE_PLACES)
+    visible[edges] = (np.abs(found) <= FARTHEST).all(axis=(1, 2))
+    return paths, visible
+
+
+def _reach(paths: Array) -> float:
+    """Return the mean distance beyond which a stroke means none of some edges, px."""
+    return REACH * float(np.linalg.norm(np.ptp(paths, axis=(0, 1))))
+
+
+def _reach_of_car(network: Network, camera: Camera) -> float:
+    paths, visible = _pictured(network, camera, np.arange(len(network.template.edges)))
+    return _reach(paths[visible])
 
 
 def _in_row(template: Template, edges: Sequence[int]) -> tuple[int, ...]:

@@ -197,11 +197,6 @@ class Reprojection:
         whole[0, self.free] = step
         return pose.moved(whole)
 
-    def pixels_missed(self, pose: Poses, positions: Array) -> Array:
-        """Return the distance of each mark from its node with a pose and a car (n, 3), px, (k,)."""
-        seen = pose.see(self.framing.points(positions[self.nodes])).places[0]
-        return np.asarray(np.linalg.norm(seen - self.marks, axis=1) * self.framing.diagonal)
-
     def middle(self, pose: Poses) -> tuple[Array, Array, float]:
         """Return the prior of the principal point: its form (c, c), slope (c,) and cost."""
         wide = np.where(self.free >= PRINCIPAL, 1.0 / CROPPED**2, 0.0)

@@ -13,12 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.plugin import cached_property
 from bozzetto.view import triple
 from bozzetto.view.calibration import Poses
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection, Residuals
@@ -160,6 +161,7 @@ def solve(
     def problem_of(views: Sequence[MarkedView], prior: Prior, feasible: Feasible) -> _Problem:
         return _Problem(template, views, cost, prior, feasible, hold_cameras, settled)
 
+    ready: _Problem | None = None
     if np.isfinite(cost.stiff):
         prior = Prior(template, cost)
     else:
@@ -180,11 +182,15 @@ def solve(
                     feasible = Feasible.of(soundness, None, first, prior.form(first))
                 except UserError:  # no car beside it is sound: it stays as large as it is
                     continue
-                if problem_of(views, prior, feasible).can_start:
+                problem = problem_of(views, prior, feasible)
+                if problem.begin is not None:
+                    ready = problem
                     break
         else:
             prior = Prior(template, cost, known, held=False)
     if locked is None or not locked.given():
+        if ready is not None:
+            return ready.solved()
         feasible = Feasible.of(soundness, None, first, prior.form(first))
         return problem_of(views, prior, feasible).solved()
     locks = Locks.of(template, locked, first, overlap)
@@ -236,6 +242,8 @@ class _Iterate:
         Gauss-Newton form over the free directions of the car, and for each sketch the numbers of
         its camera and its bends.
     slope : (f + c,) float
+    seen : tuple of _Seen
+        Each sketch.
     """
 
     variables: Array
@@ -244,6 +252,27 @@ class _Iterate:
     cost: float
     form: Array
     slope: Array
+    seen: tuple[_Seen, ...]
+
+
+class _Seen(NamedTuple):
+    """A sketch as an iterate has it.
+
+    Attributes
+    ----------
+    missed : (k, 2) float
+        Place minus mark, in diagonals of the marks.
+    unbent : (k, 2) float
+        The same without what the hand bends, in standard deviations of the hand.
+    weights : (k,) float
+    rows : (2 k, f + c) float
+        Derivative by the car, the camera and the bends, in these units.
+    """
+
+    missed: Array
+    unbent: Array
+    weights: Array
+    rows: Array
 
 
 class _Problem:
@@ -266,6 +295,7 @@ class _Problem:
         self.starts = tuple(pose for _, pose in made)
         self.free = feasible.span.shape[1]
         self.ways = tuple(bent_by_hand(sight, cost) for sight in self.sights)
+        self.bent = tuple(np.kron(ways, np.eye(2)) for ways in self.ways)
         of_views = zip(self.sights, self.ways, strict=True)
         ends = np.cumsum([self.free, *(len(s.free) + 2 * ways.shape[1] for s, ways in of_views)])
         self.parts = tuple(map(slice, ends[:-1].tolist(), ends[1:].tolist()))
@@ -273,10 +303,24 @@ class _Problem:
         # How the coordinates of each node follow the free directions, (n, 3, f).
         self.nodes = (template.basis @ feasible.span).reshape(-1, 3, self.free)
 
-    @property
-    def can_start(self) -> bool:
-        """Whether all cameras have the car before them at the start."""
-        return self.at(self.feasible.start, self.starts, self.straight) is not None
+    @cached_property
+    def begin(self) -> _Iterate | None:
+        """The start; None where a camera has a marked node behind it."""
+        return self.at(self.feasible.start, self.starts, self.straight)
+
+    def own_form(self, variables: Array) -> Array:
+        """Return the prior's part of the form over the free directions of the car, (f, f)."""
+        if np.isfinite(self.cost.stiff):
+            return self._within_span(self.prior.form(variables))
+        return self._same_everywhere
+
+    @cached_property
+    def _same_everywhere(self) -> Array:
+        return self._within_span(self.prior.form(self.prior.variables))
+
+    def _within_span(self, form: Array) -> Array:
+        span = self.feasible.span
+        return np.asarray(span.T @ form @ span)
 
     @property
     def straight(self) -> tuple[Array, ...]:
@@ -289,7 +333,7 @@ class _Problem:
 
     def settled(self) -> tuple[_Iterate, int]:
         """Return the iterate at which the solve has converged, and the number of steps."""
-        here = self.at(self.feasible.start, self.starts, self.straight)
+        here = self.begin
         if here is None:
             raise UserError(
                 "The camera of a sketch stands within the car. Set its marks again, or start "
@@ -329,9 +373,10 @@ class _Problem:
         own = self.prior.form(variables)
         form = np.zeros((self.size, self.size))
         slope = np.zeros(self.size)
-        form[:free, :free] = span.T @ own @ span
+        form[:free, :free] = self.own_form(variables)
         slope[:free] = span.T @ (own @ (variables - self.prior.variables))
         cost = self.prior.value(variables)
+        all_seen = []
         for number, (sight, pose, bend) in enumerate(zip(self.sights, poses, bends, strict=True)):
             part, ways = self.parts[number], self.ways[number]
             seen = sight.residuals(pose, positions)
@@ -357,13 +402,13 @@ class _Problem:
             form[bending, bending] += 1.0
             slope[bending] += bend.ravel()
             cost += more + float((bend**2).sum())
-        return _Iterate(variables, poses, bends, cost, form, slope)
+            all_seen.append(_Seen(seen.missed, missed, weights, rows))
+        return _Iterate(variables, poses, bends, cost, form, slope, tuple(all_seen))
 
     def rows(self, number: int, seen: Residuals) -> Array:
         """Return the derivative of the residuals of a sketch by the car, its camera and bends."""
-        sight, ways = self.sights[number], self.ways[number]
-        bent = np.kron(ways, np.eye(2))
-        return np.hstack((sight.rows(seen, self.nodes), bent)) / self.cost.hand
+        rows = self.sights[number].rows(seen, self.nodes)
+        return np.hstack((rows, self.bent[number])) / self.cost.hand
 
     def step(self, here: _Iterate, damping: float) -> Array | None:
         """Return the step (f + c,) of the normal equations; None if there is none."""
@@ -386,12 +431,12 @@ class _Problem:
         return self.at(variables, tuple(poses), tuple(bends))
 
     def joint(self, here: _Iterate, steps: int) -> JointSolution:
-        positions = self.template.whole(here.variables)
         covariance = np.asarray(np.linalg.pinv(here.form, ANCHORED, True), float)
         residuals, others = [], []
-        for number, (sight, pose) in enumerate(zip(self.sights, here.poses, strict=True)):
-            residuals.append(sight.pixels_missed(pose, positions))
-            others.append(self.left_out(number, here, covariance))
+        for number, (sight, seen) in enumerate(zip(self.sights, here.seen, strict=True)):
+            unit = sight.extent * sight.framing.diagonal
+            residuals.append(np.linalg.norm(seen.missed, axis=1) * unit)
+            others.append(self.left_out(number, seen, covariance))
         return JointSolution(
             here.variables,
             self.turned(here),
@@ -403,20 +448,14 @@ class _Problem:
             steps,
         )
 
-    def left_out(self, number: int, here: _Iterate, covariance: Array) -> LeftOut:
+    def left_out(self, number: int, seen: _Seen, covariance: Array) -> LeftOut:
         """Return how far the marks of a sketch are from where the others expect them, px."""
-        sight = self.sights[number]
-        seen = sight.residuals(here.poses[number], self.template.whole(here.variables))
-        assert seen is not None  # an iterate has its nodes before the eye
-        hand = self.cost.hand
-        missed = (seen.missed + self.ways[number] @ here.bends[number]) / hand
-        weights, _ = robust_weights((missed**2).sum(axis=1), self.cost.stray)
-        car, part = slice(0, self.free), self.parts[number]
-        among = np.r_[car, part]
+        sight, part = self.sights[number], self.parts[number]
+        among = np.r_[slice(0, self.free), part]
         found = leave_one_out(
-            self.rows(number, seen), missed, weights, covariance[np.ix_(among, among)]
+            seen.rows, seen.unbent, seen.weights, covariance[np.ix_(among, among)]
         )
-        unit = hand * sight.extent * sight.framing.diagonal
+        unit = self.cost.hand * sight.extent * sight.framing.diagonal
         return LeftOut(found.missed * unit, found.surprise)
 
 

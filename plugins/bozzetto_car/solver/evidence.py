@@ -8,9 +8,12 @@ lie about their places in the template, to first order, with the covariance
 where A is their derivative by the car, Σ the covariance of cars, K the correlation of what the hand
 bends (`hand`), and b by how much more it bends than it trembles; the unknown motions of the cameras
 have been projected out (restricted maximum likelihood: Patterson & Thompson 1971). One symmetric
-eigenvalue problem serves every t and s. From C⁻¹ follows how probable a mark is given the others
-(Sundararajan & Keerthi, *Predictive approaches for choosing hyperparameters in Gaussian processes*,
-2001).
+eigenvalue problem serves every t and s. How probable all marks are together needs less: the matrix
+is made tridiagonal by reflections that bring the residuals to the first axis, and one sweep up the
+three diagonals gives the determinant and the first entry of the inverse for every t and s (Golub &
+Van Loan, *Matrix Computations*, sections 4.3.6 and 8.3.1). From C⁻¹ follows how probable a mark is
+given the others (Sundararajan & Keerthi, *Predictive approaches for choosing hyperparameters in
+Gaussian processes*, 2001).
 """
 
 from __future__ import annotations
@@ -57,8 +60,22 @@ the eye and does not grow with the tremor of the pen."""
 _GRID: Final = tuple(grid.ravel() for grid in np.meshgrid(SPREADS, HANDS))
 """All pairs of a spread and a hand."""
 
+_LOGS: Final = np.log(_GRID)
+"""Their logarithms, (2, g)."""
+
+_RATIO: Final = (_GRID[0] / _GRID[1]) ** 2
+"""Squares of their ratios."""
+
 KNOWN: Final = 64
 """Number of pairs of a template and a cost whose factors are remembered."""
+
+SKETCHES: Final = 32
+"""Number of answers on single sketches that are remembered: while a mark is dragged, the other
+sketches stay what they were."""
+
+TOGETHER: Final = 8
+"""Factors that are multiplied before the logarithm is taken of them. They are 1 at least, and as
+large as the squares of distances in standard deviations of a hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +98,7 @@ class LinearSketch:
     together: Array
 
 
+@lru_cache(maxsize=SKETCHES)
 def linear_sketch(template: Template, view: MarkedView, hand: float) -> LinearSketch:
     """Return a sketch to first order about the template.
 
@@ -146,6 +164,12 @@ def independent(sketch: LinearSketch, bend: float, counted: Flags) -> Independen
     counted : (k,) bool
         Which marks count.
     """
+    return _independent(sketch, bend, counted.tobytes())
+
+
+@lru_cache(maxsize=SKETCHES)
+def _independent(sketch: LinearSketch, bend: float, flags: bytes) -> Independent:
+    counted = np.frombuffer(flags, bool)
     by_camera = _tall(sketch.by_camera[counted])
     white: Array = np.eye(len(by_camera))
     log_size = 0.0
@@ -202,13 +226,66 @@ class Factored:
         return cls(tuple(sketches), bend, missed, *_along_principal_axes(by_car))
 
 
+@dataclass(frozen=True, eq=False)
+class Pulls:
+    """What a sketch says of the variables of a car, along the factors of several kinds of cars.
+
+    Attributes
+    ----------
+    squares : (c, q, q) float
+        (A F)ᵀ (A F) of each factor F, with the marks made independent.
+    slopes : (c, q) float
+        The product of A F with the residuals.
+    misfit : float
+        The square of the residuals.
+    """
+
+    squares: Array
+    slopes: Array
+    misfit: float
+
+
+@lru_cache(maxsize=SKETCHES)
+def pulls(template: Template, costs: tuple[Cost, ...], sketch: Independent) -> Pulls:
+    """Return what a sketch says of a car of a template, for each cost."""
+    count = len(template.variables)
+    along = sketch.by_car @ _side_by_side(template, costs)
+    apart = along.reshape(len(along), len(costs), count).transpose(1, 0, 2)
+    squares = np.stack([rows.T @ rows for rows in apart])
+    slopes = (along.T @ sketch.missed).reshape(len(costs), count)
+    return Pulls(squares, slopes, float(sketch.missed @ sketch.missed))
+
+
+@lru_cache(maxsize=KNOWN)
+def _side_by_side(template: Template, costs: tuple[Cost, ...]) -> Array:
+    return np.hstack([_factor(template, cost) for cost in costs])
+
+
+@lru_cache
+def _expected(bend: float, anyone: bool) -> Array:
+    """Return the logarithms of the probability of every pair of a spread and a hand, (g,)."""
+    spreads, hands = _LOGS
+    apart = (hands / np.log(STEADY)) ** 2
+    logs = -np.log1p(apart) if anyone else -0.5 * apart
+    logs -= 0.5 * ((spreads - np.log(USUAL[0])) / np.log(USUAL[1])) ** 2
+    if bend > 0.0:
+        bent = (np.log(bend / USUAL_BEND[0]) + hands) / np.log(USUAL_BEND[1])
+        logs -= 0.5 * bent**2
+    return np.asarray(logs)
+
+
 class Evidence:
-    """The probability of marks, for all spreads and hands together.
+    """The probability of the marks of sketches, for all spreads and hands together.
 
     Parameters
     ----------
-    factored : Factored
-        The marks, and how cars differ from the template.
+    sketches : sequence of Independent
+        The marks that count.
+    bend : float
+        By how much more the hand bends than it trembles, which they were made independent with.
+    sizes, misfits : (g,) float
+        At each pair of a spread and a hand, the logarithm of the determinant of C / s², and the
+        square of the residuals in standard deviations of C / s².
     anyone : bool
         Whether the hand may be anyone's, with heavy tails (Cauchy's distribution of the logarithm),
         so that a very unsteady one is told. With light tails (Gauss') a mistake in one mark is
@@ -223,39 +300,52 @@ class Evidence:
         Means of the logarithms of t and s.
     """
 
-    def __init__(self, factored: Factored, anyone: bool) -> None:
-        sketches, bend, sizes = factored.sketches, factored.bend, factored.sizes
-        self._sketches = sketches
-        spreads, self._hands = _GRID
-        ratio = (spreads / self._hands) ** 2
-        self._missed, self._by_car = factored.missed, factored.by_car
+    def __init__(
+        self,
+        sketches: Sequence[Independent],
+        bend: float,
+        sizes: Array,
+        misfits: Array,
+        anyone: bool,
+    ) -> None:
         rank = sum(sketch.rank for sketch in sketches)
-        self._pulled = self._by_car.T @ self._missed
-        self._damped = ratio / (1.0 + sizes[:, None] * ratio)
-        misfit = self._missed @ self._missed - self._pulled**2 @ self._damped
-        wide = np.log1p(sizes[:, None] * ratio).sum(axis=0) + 2.0 * rank * np.log(self._hands)
-        logs: Array = -0.5 * (wide + misfit / self._hands**2)
-        apart = (np.log(self._hands) / np.log(STEADY)) ** 2
-        logs -= np.log1p(apart) if anyone else 0.5 * apart
-        logs -= sum(sketch.log_size for sketch in sketches)
-        logs -= 0.5 * (np.log(spreads / USUAL[0]) / np.log(USUAL[1])) ** 2
-        if bend > 0.0:
-            bent = np.log(bend * self._hands / USUAL_BEND[0]) / np.log(USUAL_BEND[1])
-            logs -= 0.5 * bent**2
+        known = rank * _LOGS[1] + sum(sketch.log_size for sketch in sketches)
+        logs: Array = _expected(bend, anyone) - known - 0.5 * (sizes + misfits / _GRID[1] ** 2)
         self.total = float(log_of_sum(logs))
         self._logs = logs - self.total
-        self.log_spread, self.log_hand = (
-            float(np.exp(self._logs) @ np.log(grid)) for grid in (spreads, self._hands)
-        )
+        self.log_spread, self.log_hand = (_LOGS @ np.exp(self._logs)).tolist()
 
     @property
     def spread(self) -> float:
         """How far the car is from the template, as a share of what the cost expects."""
         return float(np.exp(self.log_spread))
 
+
+class MarkEvidence(Evidence):
+    """The same, which also tells how probable each mark is given the others.
+
+    Parameters
+    ----------
+    factored : Factored
+        The marks, and how cars differ from the template.
+    anyone : bool
+        See `Evidence`.
+    """
+
+    def __init__(self, factored: Factored, anyone: bool) -> None:
+        sizes = factored.sizes
+        self._sketches = factored.sketches
+        self._missed, self._by_car = factored.missed, factored.by_car
+        self._pulled = self._by_car.T @ self._missed
+        self._damped = _RATIO / (1.0 + sizes[:, None] * _RATIO)
+        misfits = self._missed @ self._missed - self._pulled**2 @ self._damped
+        wide = np.log1p(sizes[:, None] * _RATIO).sum(axis=0)
+        super().__init__(factored.sketches, factored.bend, wide, misfits, anyone)
+
     @cached_property
     def improbable(self) -> list[Array]:
         """For each sketch, the gain in probability of the rest without each mark, (k,)."""
+        _, hands = _GRID
         ends = np.cumsum([len(sketch.missed) for sketch in self._sketches])[:-1]
         backs = [sketch.back for sketch in self._sketches]
         # The inverse of C, times s²: its 2 × 2 blocks for each mark, and its product with the
@@ -274,9 +364,60 @@ class Evidence:
         left = missed[:, None] - follow @ (self._damped * self._pulled[:, None])
         x, y = left[::2], left[1::2]
         size = np.maximum(xx * yy - xy**2, DETERMINED)
-        squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / size / self._hands**2
-        alone = 0.5 * np.log(size) - 2.0 * np.log(self._hands) - np.log(2.0 * np.pi)
+        squared = (yy * x**2 - 2.0 * xy * x * y + xx * y**2) / size / hands**2
+        alone = 0.5 * np.log(size) - 2.0 * np.log(hands) - np.log(2.0 * np.pi)
         return np.split(log_of_sum(self._logs - alone + 0.5 * squared), ends // 2)
+
+
+def of_all_kinds(
+    template: Template, costs: tuple[Cost, ...], sketches: Sequence[Independent]
+) -> tuple[Array, Array]:
+    """Return the sizes and the misfits of `Evidence` for several kinds of cars, (c, g) each.
+
+    Parameters
+    ----------
+    template : Template
+        The template of the car.
+    costs : tuple of Cost
+        How cars of each kind differ from it.
+    sketches : sequence of Independent
+        The marks that count.
+    """
+    found = [pulls(template, costs, sketch) for sketch in sketches]
+    squares, slopes = (
+        np.sum([getattr(one, name) for one in found], axis=0) for name in ("squares", "slopes")
+    )
+    sizes, corners = _swept(squares, slopes)
+    return sizes, sum(one.misfit for one in found) - _RATIO * corners
+
+
+def _swept(squares: Array, slopes: Array) -> tuple[Array, Array]:
+    """Return log det(I + x G) and bᵀ (I + x G)⁻¹ b for every ratio x of t² to s², (c, g) each.
+
+    Parameters
+    ----------
+    squares : (c, q, q) float
+        Each G.
+    slopes : (c, q) float
+        Each b.
+    """
+    from scipy.linalg import lapack
+
+    count, size = slopes.shape
+    edged = np.zeros((size + 1, size + 1), order="F")
+    diagonals, beside = np.empty((size + 1, count, 1)), np.empty((size, count, 1))
+    for number, (square, slope) in enumerate(zip(squares, slopes, strict=True)):
+        # With b along the border, the reflections bring it to the first axis.
+        edged[1:, 1:], edged[1:, 0] = square, slope
+        _, diagonals[:, number, 0], beside[:, number, 0], _, _ = lapack.dsytrd(edged, lower=1)
+    steps = diagonals[1:] * _RATIO
+    steps += 1.0
+    across = beside[1:] * _RATIO
+    across *= across
+    for row in range(size - 2, -1, -1):
+        steps[row] -= across[row] / steps[row + 1]
+    whole = np.log(np.multiply.reduceat(steps, np.arange(0, size, TOGETHER), axis=0)).sum(axis=0)
+    return whole, beside[0] ** 2 / steps[0]
 
 
 def log_of_sum(logs: Array) -> Array:

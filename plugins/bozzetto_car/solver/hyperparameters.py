@@ -27,9 +27,11 @@ from bozzetto_car.solver.evidence import (
     Factored,
     Independent,
     LinearSketch,
+    MarkEvidence,
     independent,
     linear_sketch,
     log_of_sum,
+    of_all_kinds,
 )
 from bozzetto_car.solver.prior import DEVIATION, KINSHIP, Cost
 from bozzetto_car.template.model import Template
@@ -148,17 +150,26 @@ class Weights:
     ) -> None:
         self._template, self._sketches = template, sketches
         self._counted = [flags.copy() for flags in counted]
-        self._known: dict[Part, Factored] = {}
-        self._ready: dict[float, list[Independent]] = {}
+        self._known: dict[float, tuple[Array, Array]] = {}
 
-    def of(self, part: Part) -> Evidence:
-        """Return the evidence of a part of the mixture."""
-        return Evidence(self._factored(part), anyone=False)
+    def of(self, part: Part) -> MarkEvidence:
+        """Return the evidence of a part of the mixture, for one hand as usual."""
+        ready = self._independent(part.bend)
+        return MarkEvidence(Factored.of(self._template, part.cost, ready, part.bend), anyone=False)
+
+    @property
+    def likeliest_straight(self) -> Part:
+        """The likeliest part of the mixture whose hands do not bend, each hand as usual."""
+        straight = self._of_bend(0.0, anyone=False)
+        return max(straight, key=lambda part: straight[part].total)
 
     @cached_property
     def parts(self) -> tuple[Evidence, ...]:
         """The evidence of each part."""
-        return tuple(Evidence(self._factored(part), anyone=True) for part in MIXTURE)
+        found: dict[Part, Evidence] = {}
+        for bend in BENDS:
+            found |= self._of_bend(bend, anyone=True)
+        return tuple(found[part] for part in MIXTURE)
 
     @cached_property
     def logs(self) -> Array:
@@ -170,16 +181,20 @@ class Weights:
         """Logarithm of the probability of the marks, up to a constant of their number."""
         return float(log_of_sum(self.logs))
 
-    def _factored(self, part: Part) -> Factored:
-        """Return the marks with the cars of a part taken apart; it takes most of the time."""
-        if part.bend not in self._ready:
-            pairs = zip(self._sketches, self._counted, strict=True)
-            ready = [independent(sketch, part.bend, flags) for sketch, flags in pairs]
-            self._ready[part.bend] = ready
-        if part not in self._known:
-            ready = self._ready[part.bend]
-            self._known[part] = Factored.of(self._template, part.cost, ready, part.bend)
-        return self._known[part]
+    def _of_bend(self, bend: float, *, anyone: bool) -> dict[Part, Evidence]:
+        """Return the evidence of all parts whose hands bend a drawing so."""
+        parts = [part for part in MIXTURE if part.bend == bend]
+        ready = self._independent(bend)
+        if bend not in self._known:
+            costs = tuple(part.cost for part in parts)
+            self._known[bend] = of_all_kinds(self._template, costs, ready)
+        pairs = zip(*self._known[bend], strict=True)
+        each = [Evidence(ready, bend, size, misfit, anyone) for size, misfit in pairs]
+        return dict(zip(parts, each, strict=True))
+
+    def _independent(self, bend: float) -> list[Independent]:
+        pairs = zip(self._sketches, self._counted, strict=True)
+        return [independent(sketch, bend, flags) for sketch, flags in pairs]
 
 
 def judge_marks(
@@ -210,8 +225,7 @@ def judge_marks(
         for flags in before
     ]
     weights = Weights(template, sketches, counted)
-    straight = [part for part in MIXTURE if part.bend == 0.0]
-    part = max(straight, key=lambda part: weights.of(part).total)
+    part = weights.likeliest_straight
     while True:
         best = max(_losses(weights.of(part), counted, prices), default=NO_CHANGE)
         if best[0] <= 0.0:
@@ -255,7 +269,7 @@ def _weighed(weights: Weights, counted: tuple[Flags, ...]) -> Weighed:
     return Weighed(spread, hand, cost, counted)
 
 
-def evidence_of(template: Template, view: MarkedView) -> Evidence:
+def evidence_of(template: Template, view: MarkedView) -> MarkEvidence:
     """Return how probable the marks of one sketch are, all of them together.
 
     Parameters
@@ -268,11 +282,11 @@ def evidence_of(template: Template, view: MarkedView) -> Evidence:
     sketch = linear_sketch(template, view, Cost.balanced().hand)
     every = np.ones(len(view.nodes), bool)
     ready = [independent(sketch, 0.0, every)]
-    return Evidence(Factored.of(template, Cost.balanced(), ready, 0.0), anyone=False)
+    return MarkEvidence(Factored.of(template, Cost.balanced(), ready, 0.0), anyone=False)
 
 
 def _losses(
-    now: Evidence, counted: list[Flags], prices: list[Array]
+    now: MarkEvidence, counted: list[Flags], prices: list[Array]
 ) -> Iterator[tuple[float, int, int]]:
     """Return the gain of setting the best mark of each sketch aside, the sketch, and the mark."""
     for number, (flags, price) in enumerate(zip(counted, prices, strict=True)):

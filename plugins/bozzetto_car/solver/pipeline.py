@@ -260,7 +260,7 @@ def _solved_as_placed(
     if before is not None and before.joint is not None:
         start = before.joint.variables
     locked = state.dimensions if state.lock and state.dimensions.given() else None
-    views = [view_of(placed[key], template) for key in solid]
+    views = [_view(placed[key], template) for key in solid]
     were_aside = tuple(last[key].disagreeing if key in last else () for key in solid)
     judged = _judged(template, tuple(placed[key] for key in solid), were_aside)
     views = [view.only(flags) for view, flags in zip(views, judged.counted, strict=True)]
@@ -303,10 +303,16 @@ def _judged(
 
     Neither the balance of marks and template nor dimensions have a say in it.
     """
-    views = [view_of(placed, template) for placed in sketches]
+    views = [_view(placed, template) for placed in sketches]
     return judge_marks(template, views, [
         _among(view, template, names) for view, names in zip(views, aside, strict=True)
     ])  # fmt: skip
+
+
+@remembered(limit=REMEMBERED, key=lambda placed, template: (template, placed.resection))
+def _view(placed: Placed, template: Template) -> MarkedView:
+    """Return a sketch as it was placed; the very same as long as none of its marks moves."""
+    return view_of(placed, template)
 
 
 def _resumed(placed: Placed, view: MarkedView, before: Solved | None) -> MarkedView:

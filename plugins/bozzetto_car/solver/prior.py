@@ -55,6 +55,10 @@ HELD: Final = 1e-4
 FREE: Final = 1.0
 """The same where something else tells the size: next to nothing."""
 
+COSTS: Final = 16
+"""Number of pairs of a template and a cost whose covariance is remembered: a solve asks for that
+of its cost for every size of the car."""
+
 PAPER_SHARE: Final = 0.5
 """The weights α and β of the paper's cost."""
 
@@ -190,7 +194,7 @@ class Prior:
         self.variables = scale * template.variables
         self._basis = template.basis
         self._cost = cost
-        self._squared = np.asarray(np.linalg.inv(_covariance(template, cost)), float) / scale**2
+        self._squared = _precision(template, cost) / scale**2
         if size is not None:
             larger = template.variables
             pushed = self._squared @ larger
@@ -226,6 +230,12 @@ def size_measure(template: Template) -> Array:
     """
     middle = template.positions - template.positions.mean(axis=0)
     return np.asarray(template.basis.T @ middle.ravel() / (middle**2).sum())
+
+
+@lru_cache(maxsize=COSTS)
+def _precision(template: Template, cost: Cost) -> Array:
+    """Return the inverse of the covariance of the variables of a car, (q, q)."""
+    return np.asarray(np.linalg.inv(_covariance(template, cost)))
 
 
 def _covariance(template: Template, cost: Cost) -> Array:

@@ -94,7 +94,20 @@ def advice_following(
             along = now.windowed(camera.viewport, before.window(camera))
             advice = advice_on(state, body, along)
             return replace(advice, better=along, pinned=True, follow=True)
+    if _sees_what_has_gone(state, camera, seen):
+        return replace(advice_on(state, body, camera), follow=True)
     return advice_on(state, body, camera)
+
+
+def _sees_what_has_gone(state: CarState, camera: Camera, seen: Iterable[Body]) -> bool:
+    """Whether a view looks through a sketch that the car had a moment ago and has no more."""
+    here = {sketch.id for sketch in state.sketches}
+    return any(
+        before.is_seen_through(camera)
+        for earlier in seen
+        for sketch, before in earlier.sketch_cameras.items()
+        if sketch not in here
+    )
 
 
 def _camera_before(sketch: Sketch, state: CarState) -> SketchCamera | None:

@@ -342,6 +342,30 @@ def test_a_car_that_a_command_puts_on_the_sheet_is_in_view_whatever_was_pressed(
     assert sees_all(window)
 
 
+@pytest.mark.parametrize("yaw", [0.0, 50.0, -100.0])
+def test_a_copy_comes_into_view_and_is_selected(make_window, settle, yaw):
+    """The view stays where there is room for the copy."""
+    window = make_window("bozzetto.silhouette")
+    window.welcome.hide()
+    session = window.session
+    draw_sample(window, settle)
+    window.canvas.views.fit()
+    window.canvas.motion.finish()
+    session.view.set_camera(navigation.orbit(session.view.camera, yaw, 0.0))
+    settle(session, window.keeper)
+    (model,) = session.drawing.document.models
+    session.objects.duplicate(model.id)
+    settle(session, window.keeper)
+    copy = session.drawing.document.models[1]
+    assert session.selection.id == copy.id
+    assert sees_all(window)
+    wide = navigation.zoom(session.view.camera, 0.25)
+    session.view.set_camera(wide)
+    session.objects.duplicate(copy.id)
+    settle(session, window.keeper)
+    assert session.view.camera == wide
+
+
 def test_the_first_shape_tilts_where_it_is_framed(make_window, qtbot, settle):
     """The tilt began before the view had gone to the car, and ended where nothing was seen."""
     window = make_window("bozzetto.car")

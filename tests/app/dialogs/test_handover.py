@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from threading import Event
 
 import numpy as np
 import pytest
@@ -187,3 +188,63 @@ def test_on_a_low_screen_it_says_that_there_are_warnings_below(window, qtbot, mo
         assert ("below" in dialog.state.text()) is is_told
         assert dialog.state.height() >= dialog.state.heightForWidth(dialog.state.width())
         dialog.reject()
+
+
+def test_shapes_are_made_once_for_all_looks_and_the_export(
+    window, settle, qtbot, tmp_path, monkeypatch
+):
+    bench, asked = window.session.workbench, []
+    make = bench.shapes
+    monkeypatch.setattr(bench, "shapes", lambda *args: asked.append(args) or make(*args))
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "a.stl"), ""))
+    dialog = opened(window)
+    choose(dialog, "stl")
+    ready(qtbot, dialog)
+    first = len(asked)
+    assert first == 2
+    dialog.scale.setValue(2.0)
+    choose(dialog, "obj")
+    ready(qtbot, dialog)
+    assert "120 × 40 × 60 mm" in dialog.state.text()
+    choose(dialog, "stl")
+    ready(qtbot, dialog)
+    dialog.go.click()
+    settle(window.session)
+    assert (tmp_path / "a.stl").exists()
+    assert len(asked) == first
+    # Another dialog looks anew, and so does this one once the objects or the choice differ.
+    again = opened(window)
+    ready(qtbot, again)
+    assert len(asked) == 2 * first
+    model = window.session.drawing.document.models[0]
+    window.session.objects.rename(model.id, "other")
+    ready(qtbot, again)
+    assert len(asked) == 3 * first
+    again.objects.item(0).setCheckState(Qt.CheckState.Unchecked)
+    ready(qtbot, again)
+    assert len(asked) == 3 * first + 1
+
+
+def test_the_answer_to_a_choice_that_has_changed_is_not_shown(window, qtbot, monkeypatch):
+    """Its shapes are taken all the same: while the first look goes on another format is chosen."""
+    bench, asked, go_on = window.session.workbench, [], Event()
+    make = bench.shapes
+
+    def late(*args):
+        asked.append(args)
+        assert go_on.wait(20.0)
+        return make(*args)
+
+    monkeypatch.setattr(bench, "shapes", late)
+    seen = []
+    window.session.files.exchange.foreseen.connect(seen.append)
+    dialog = opened(window)
+    choose(dialog, "stl")
+    qtbot.waitUntil(lambda: bool(asked), timeout=20_000)
+    choose(dialog, "obj")
+    qtbot.wait(600)
+    go_on.set()
+    ready(qtbot, dialog)
+    assert [[ending for ending, _ in one.files] for one in seen] == [[".obj"]]
+    assert "OBJ" in dialog.state.text()
+    assert len(asked) == 2

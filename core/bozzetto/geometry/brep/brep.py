@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -14,6 +15,7 @@ from bozzetto.arrays import Array, Index, frozen
 from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import curve_derivative, span_parameters
+from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
 
@@ -162,6 +164,10 @@ class Face:
         edged = [any(trim.edge is not None for trim in loop) for loop in self.loops]
         if not edged or not all(edged):
             raise ValueError("a face needs an outer loop, and a loop at least one edge")
+        # A face that only gets another name or look has the loops that were checked before.
+        kept(self.surface, _as_loops(self.loops), self._check_loops)
+
+    def _check_loops(self) -> None:
         low, high = np.transpose(self.surface.ranges)
         slack = OFF * (high - low)
         for number, loop in enumerate(self.loops):
@@ -199,8 +205,11 @@ class Face:
 
     def placed(self, placement: Placement) -> Face:
         """Return the face moved by a placement; turned over where that mirrors."""
-        loops = self._turned_loops() if placement.mirrors else self.loops
-        return replace(self, surface=self.surface.placed(placement), loops=loops)
+        surface = self.surface.placed(placement)
+        if placement.mirrors:
+            return replace(self, surface=surface, loops=self._turned_loops())
+        kept(surface, _as_loops(self.loops), lambda: None)  # u and v stay what they were
+        return replace(self, surface=surface)
 
     def _turned_loops(self) -> tuple[Loop, ...]:
         return tuple(tuple(t.turned_over() for t in reversed(loop)) for loop in self.loops)
@@ -283,26 +292,15 @@ class Brep:
 
     def largest_gap(self) -> float:
         """Return the largest distance between edges and their faces where they are checked, mm."""
-        at = [span_parameters(edge.degree, edge.knots, CHECKS) for edge in self.edges]
-        places = [edge.value(t) for edge, t in zip(self.edges, at, strict=True)]
-        worst = 0.0
-        for face in self.faces:
-            wanted, parameters = [], []
-            for trim in face.trims:
-                if trim.edge is None:
-                    here = trim.curve.value(np.linspace(*trim.curve.range, CHECKS + 1))
-                    pole = face.surface.value(*here[:1].T)
-                    wanted.append(np.repeat(pole, len(here), axis=0))
-                elif not np.allclose(trim.curve.range, self.edges[trim.edge].range, 1e-12, 1e-12):
-                    raise ValueError("a trim runs over the range of its edge")
-                else:
-                    here = trim.curve.value(np.clip(at[trim.edge], *trim.curve.range))
-                    wanted.append(places[trim.edge])
-                parameters.append(here)
-            found = face.surface.value(*np.concatenate(parameters).T)
-            gaps = np.linalg.norm(found - np.concatenate(wanted), axis=1)
-            worst = max(worst, float(gaps.max()))
-        return worst
+        return max(self._gap(face) for face in self.faces)
+
+    def _gap(self, face: Face) -> float:
+        """Return the largest distance between a face and its edges, mm.
+
+        A face that only gets another name or look lies where it lay: its distance is kept.
+        """
+        sides = _as_sides(face, self.edges)
+        return kept(face.surface, ("gap", *sides), lambda: _gap_of(face.surface, sides))
 
     @cached_property
     def rim(self) -> Index:
@@ -384,11 +382,27 @@ class Brep:
         """Return the faces moved by a placement; an outside stays the outside."""
         if placement.is_identity:
             return self
-        return replace(
-            self,
-            edges=tuple(edge.placed(placement) for edge in self.edges),
-            faces=tuple(face.placed(placement) for face in self.faces),
-        )
+        edges = tuple(edge.placed(placement) for edge in self.edges)
+        faces = tuple(face.placed(placement) for face in self.faces)
+        for old, new in zip(self.faces, faces, strict=True):
+            # Distances grow with the scale, and rounding is far below what a gap may be.
+            gap = placement.scale * self._gap(old)
+            kept(new.surface, ("gap", *_as_sides(new, edges)), partial(float, gap))
+        return replace(self, edges=edges, faces=faces)
+
+
+def _as_loops(loops: tuple[Loop, ...]) -> tuple[object, ...]:
+    """Return what tells loops on a surface apart from others, but for the edges that they name."""
+    return "loops", *(tuple((trim.curve, trim.forward) for trim in loop) for loop in loops)
+
+
+def _as_sides(
+    face: Face, edges: tuple[Curve, ...]
+) -> tuple[tuple[ParameterCurve, Curve | None], ...]:
+    """Return the sides of a face with their edges; None at a pole."""
+    return tuple(
+        (trim.curve, None if trim.edge is None else edges[trim.edge]) for trim in face.trims
+    )
 
 
 def refuse_far(points: Array) -> None:
@@ -402,6 +416,37 @@ def gap_tolerance(points: Iterable[Array]) -> float:
     rows = np.concatenate([p.reshape(-1, 3) for p in points])
     size = float(np.linalg.norm(np.ptp(rows, axis=0)))
     return GAP * size + ROUNDING * float(np.abs(rows).max())
+
+
+def _gap_of(surface: BSplineSurface, sides: Iterable[tuple[ParameterCurve, Curve | None]]) -> float:
+    """Return the largest distance between sides on a surface and their edges, mm.
+
+    A side without an edge is a pole, and must stay in one place.
+    """
+    wanted, parameters = [], []
+    for curve, edge in sides:
+        if edge is None:
+            here = curve.value(np.linspace(*curve.range, CHECKS + 1))
+            wanted.append(np.repeat(surface.value(*here[:1].T), len(here), axis=0))
+        elif not np.allclose(curve.range, edge.range, 1e-12, 1e-12):
+            raise ValueError("a trim runs over the range of its edge")
+        else:
+            at, places = _checked_places(edge)
+            here = curve.value(np.clip(at, *curve.range))
+            wanted.append(places)
+        parameters.append(here)
+    found = surface.value(*np.concatenate(parameters).T)
+    return float(np.linalg.norm(found - np.concatenate(wanted), axis=1).max())
+
+
+def _checked_places(edge: Curve) -> tuple[Array, Array]:
+    """Return parameters (n,) and places (n, 3) at which an edge is checked against its faces."""
+
+    def checked() -> tuple[Array, Array]:
+        at = span_parameters(edge.degree, edge.knots, CHECKS)
+        return at, edge.value(at)
+
+    return kept(edge, "checked", checked)
 
 
 def _borders(surface: BSplineSurface) -> list[tuple[Array, Array | None]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -11,8 +12,10 @@ import pytest
 from bozzetto.document.storage.state_codec import decode_state, encode_state
 from bozzetto.geometry import (
     Brep,
+    BSplineSurface,
     Curve,
     Face,
+    GapError,
     ParameterCurve,
     Patchwork,
     Placement,
@@ -234,3 +237,37 @@ def test_documents_keep_breps_in_states():
     again = decode_state(Held, encode_state(state))
     assert same(state, again)
     assert again.brep.is_closed
+
+
+def test_what_only_gets_another_name_is_not_measured_again(monkeypatch):
+    def values(make):
+        asked = []
+        monkeypatch.setattr(
+            BSplineSurface, "value", lambda *args: asked.append(args) or value(*args)
+        )
+        made = make()
+        monkeypatch.setattr(BSplineSurface, "value", value)
+        return made, len(asked)
+
+    value = BSplineSurface.value
+    ball = replace(BALL, faces=tuple(replace(face) for face in BALL.faces))
+    named, measured = values(
+        lambda: replace(
+            ball, name="Ball", faces=tuple(replace(face, name="Skin") for face in ball.faces)
+        )
+    )
+    assert measured == 0
+    assert named.largest_gap() == BALL.largest_gap()
+    # Elsewhere it is as it was, and an edge that has moved alone is found.
+    for place in PLACES:
+        moved, measured = values(partial(ball.placed, place))
+        assert measured == 0
+        anew = tuple(replace(face, surface=replace(face.surface)) for face in moved.faces)
+        gap, measured = values(lambda edges=moved.edges, anew=anew: Brep(edges, anew).largest_gap())
+        assert measured >= len(anew)
+        assert moved.largest_gap() == pytest.approx(gap, rel=0.1, abs=moved.tolerance / 10)
+    edge = ball.edges[0]
+    off = replace(edge, control_points=edge.control_points + np.array((0.0, 0.0, 0.1)))
+    for faces in (ball.faces, named.faces):
+        with pytest.raises(GapError):
+            Brep((off, *ball.edges[1:]), faces)

@@ -8,10 +8,20 @@ from numpy.typing import NDArray
 
 from bozzetto.view.calibration import resect
 from bozzetto_car.camera.marked_view import MarkedView, Reprojection
-from bozzetto_car.solver.evidence import HANDS, SPREADS, STEADY, USUAL
-from bozzetto_car.solver.hyperparameters import evidence_of, judge_marks
+from bozzetto_car.solver.evidence import (
+    HANDS,
+    SPREADS,
+    STEADY,
+    USUAL,
+    Factored,
+    MarkEvidence,
+    independent,
+    linear_sketch,
+    pulls,
+)
+from bozzetto_car.solver.hyperparameters import BENDS, MIXTURE, Weights, evidence_of, judge_marks
 from bozzetto_car.solver.prior import Cost, Prior
-from bozzetto_car.template.loader import bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from tests.plugins.car.sketched import (
     FRONT_QUARTER,
@@ -165,3 +175,38 @@ def test_of_chaos_three_quarters_are_kept() -> None:
     chaos = MarkedView(view.camera, view.nodes, rng.uniform(0.0, 800.0, view.marks.shape))
     flags = judge_marks(template, [chaos]).counted[0]
     assert (~flags).sum() <= 0.25 * len(flags)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_all_marks_are_weighed_alike_with_and_without_the_axes_of_the_car(seed: int) -> None:
+    """Three diagonals tell what the eigenvalues tell, whatever the marks and however many."""
+    rng = np.random.default_rng(9_300 + seed)
+    template = bundled(TEMPLATES[seed % len(TEMPLATES)])
+    car = styled(template, seed)
+    given = sketched(template, car, (FRONT_QUARTER, REAR_QUARTER)[: 1 + seed % 2], seed, 5.0).views
+    flags = [rng.random(len(view.nodes)) < 0.3 + 0.07 * seed for view in given]
+    for own in flags:
+        own[:6] = True
+    hand = Cost.balanced().hand
+    sketches = [linear_sketch(template, view, hand) for view in given]
+    weights = Weights(template, sketches, flags)
+    for part, light in zip(MIXTURE, weights.parts, strict=True):
+        pairs = zip(sketches, flags, strict=True)
+        ready = [independent(sketch, part.bend, own) for sketch, own in pairs]
+        factored = Factored.of(template, part.cost, ready, part.bend)
+        whole = MarkEvidence(factored, anyone=True)
+        for name in ("total", "log_spread", "log_hand"):
+            assert getattr(light, name) == pytest.approx(getattr(whole, name), rel=1e-9, abs=1e-9)
+    straight = [part for part in MIXTURE if part.bend == 0.0]
+    assert weights.likeliest_straight == max(straight, key=lambda part: weights.of(part).total)
+
+
+def test_a_sketch_that_stays_is_not_weighed_again() -> None:
+    template = bundled("sedan")
+    one, two = sketched(template, styled(template, 5), (FRONT_QUARTER, REAR_QUARTER), 5, 2.0).views
+    judge_marks(template, [one, two])
+    before = pulls.cache_info().misses
+    again = judge_marks(template, [one.turned(one.camera, (1.0, 0.0)), two])
+    assert pulls.cache_info().misses - before == len(BENDS)
+    alone = judge_marks(template, [one.turned(one.camera, (1.0, 0.0)), two.only(two.nodes >= 0)])
+    assert (again.spread, again.hand, again.cost) == (alone.spread, alone.hand, alone.cost)

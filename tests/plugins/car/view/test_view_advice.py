@@ -17,7 +17,12 @@ from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.marking.next_mark import asked_of
 from bozzetto_car.modeler import Car
 from bozzetto_car.state import CarState, Mark, Sketch
-from bozzetto_car.view.view_advice import advice_on, camera_looked_through, view_after
+from bozzetto_car.view.view_advice import (
+    advice_following,
+    advice_on,
+    camera_looked_through,
+    view_after,
+)
 from tests.plugins.car.penned import (
     CANVAS,
     CONTEXT,
@@ -229,6 +234,24 @@ def test_a_sketch_that_is_chosen_comes_into_view(known):
     assert body_of(both).sketch_cameras["two"].is_seen_through(advice.better)
     # While something else is chosen, such as a styling curve, nothing moves.
     assert not advised(replace(both, selected="curve"), advice.better).follow
+
+
+def test_a_view_through_a_sketch_that_has_gone_comes_back_to_the_one_that_is_left(known):
+    side = view_of(-90.0)
+    marks = tuple(Mark(n, *p) for n, p in places_of(side).items() if not n.endswith(".R"))
+    second = Sketch(id="two", name="Side", width=PICTURE[0], height=PICTURE[1], marks=marks)
+    both = known.with_node(second)
+    before, after = body_of(both), body_of(known)
+    there = before.sketch_cameras["two"].view(CANVAS)
+    advice = advice_following(known, after, there, [before])
+    assert advice.follow
+    assert after.sketch_cameras[known.sketch.id].is_seen_through(advice.better)
+    # Who has looked elsewhere meanwhile stays there, and so does a view of a sketch that is left.
+    assert not advice_following(
+        known, after, replace(there, eye=tuple(np.add(there.eye, (300.0, 200.0, 0.0)))), [before]
+    ).follow
+    assert not advice_following(known, after, there, []).follow
+    assert not advice_following(both, before, there, [after]).follow
 
 
 def test_a_picture_that_comes_in_is_where_better_leads():
