@@ -187,7 +187,8 @@ def best_cuts(ring: Ring) -> Iterator[tuple[int, int]]:
         way = spots[j] - spots[i]
         one, other = float(angle_from(out[i], way)), float(angle_from(out[j], -way))
         angles = np.array((one, inside[i] - one, other, inside[j] - other))
-        if angles.min() < SHARPEST or (np.abs(angles - np.pi) < np.pi - FLATTEST).any():
+        factor = factor_of_angles(angles, (kinks[i], kinks[j]))
+        if factor is None:
             continue
         turns = (np.pi - angles).tolist()
         along = [0.0] * (CUT_PIECES - 1)
@@ -199,14 +200,34 @@ def best_cuts(ring: Ring) -> Iterator[tuple[int, int]]:
             continue
         between = float(arc[j] - arc[i])
         cost = float(np.hypot(*way)) / min(between, float(arc[-1]) - between)
-        cost *= 1.0 + float(np.maximum(GOOD[0] - angles, 0.0).sum() / GOOD[0])
-        cost *= 1.0 + float(np.maximum(angles - GOOD[1], 0.0).sum() / GOOD[0])
-        for k, parts in ((i, angles[:2]), (j, angles[2:])):
-            if turn_kind(ring[k].kink) < 0 and parts.max() < np.pi:
-                cost *= CONCAVE_GAIN
-        rated.append((cost, i, j))
+        rated.append((factor * cost, i, j))
     for _, i, j in sorted(rated):
         yield i, j
+
+
+def factor_of_angles(angles: Array, kinks: tuple[float, float]) -> float | None:
+    """Return the factor on the cost of a cut by how it stands on the outline.
+
+    Parameters
+    ----------
+    angles : (4,) float
+        On both sides of the cut at its start, and at its end, radians.
+    kinks : (float, float)
+        Turns of the outline at its start and its end, radians, negative where concave.
+
+    Returns
+    -------
+    float or None
+        None where it is too sharp, or where a side would not end.
+    """
+    if angles.min() < SHARPEST or (np.abs(angles - np.pi) < np.pi - FLATTEST).any():
+        return None
+    factor = 1.0 + float(np.maximum(GOOD[0] - angles, 0.0).sum() / GOOD[0])
+    factor *= 1.0 + float(np.maximum(angles - GOOD[1], 0.0).sum() / GOOD[0])
+    for kink, parts in zip(kinks, (angles[:2], angles[2:]), strict=True):
+        if turn_kind(kink) < 0 and parts.max() < np.pi:
+            factor *= CONCAVE_GAIN
+    return factor
 
 
 def angle_from(one: Array, other: Array) -> Array:
@@ -216,24 +237,20 @@ def angle_from(one: Array, other: Array) -> Array:
 
 def _cut(ring: Ring, i: int, j: int, leading: Leading) -> tuple[Ring, Ring] | None:
     """Return both parts of a ring cut between two spots; None where no curve can lead across."""
-    cut = cut_between(ring[i], ring[j], leading)
-    if cut is None:
+    led = leading(ring[i], ring[j])
+    if led is None:
         return None
-    onward, backward = cut
+    onward, backward = spots_of_cut(ring[i], ring[j], *led)
     return joined_rings(ring[i:j], backward), joined_rings((*ring[j:], *ring[:i]), onward)
 
 
-def cut_between(one: Spot, other: Spot, leading: Leading) -> tuple[Ring, Ring] | None:
+def spots_of_cut(one: Spot, other: Spot, spline: Spline, field: NormalField) -> tuple[Ring, Ring]:
     """Return the spots along a cut from one spot to another, and those along it back."""
-    led = leading(one, other)
-    if led is None:
-        return None
-    spline, field = led
     pieces = pieces_of(spline, CUT_PIECES)
     line = (one.flat[0], other.flat[0])
     return (
-        _spots_of_cut(pieces, field, line, forward=True),
-        _spots_of_cut(pieces, field, line, forward=False),
+        _spots_along(pieces, field, line, forward=True),
+        _spots_along(pieces, field, line, forward=False),
     )
 
 
@@ -262,7 +279,7 @@ def place_of(piece: SidePiece) -> Array:
     return np.asarray(piece.piece.curve.control_points[0 if piece.forward else -1])
 
 
-def _spots_of_cut(
+def _spots_along(
     pieces: Sequence[EdgePiece], field: NormalField, line: tuple[Array, Array], *, forward: bool
 ) -> Ring:
     """Return the spots along a cut."""

@@ -84,7 +84,7 @@ def foot_of(surface: BSplineSurface, points: Array, start: Array) -> Array:
     for _ in range(ROUNDS):
         here = at[going]
         off = points[going] - surface.value(*here.T)
-        x, y = (surface.derivative(*here.T, i, 1 - i) for i in (1, 0))
+        x, y = (surface.derivative(here[:, 0], here[:, 1], i, 1 - i) for i in (1, 0))
         xx, xy, yy = ((a * b).sum(axis=1) for a, b in ((x, x), (x, y), (y, y)))
         px, py = (off * x).sum(axis=1), (off * y).sum(axis=1)
         whole = np.maximum(xx * yy - xy * xy, 1e-12 * xx * yy + 1e-300)

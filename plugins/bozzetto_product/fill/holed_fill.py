@@ -19,18 +19,16 @@ from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.cut_rings import (
-    FLATTEST,
-    GOOD,
     SAMPLES,
-    SHARPEST,
     TRIED,
     Ring,
     Search,
     Spot,
     angle_from,
-    cut_between,
+    factor_of_angles,
     joined_rings,
     place_of,
+    spots_of_cut,
     turned_from,
 )
 from bozzetto_product.fill.edge_pieces import EdgePiece
@@ -56,7 +54,7 @@ LEAST_SHARE: Final = 0.2
 PAIRS: Final = 40
 """Single cuts of which pairs are made."""
 
-TRIED_PAIRS: Final = 3
+TRIED_PAIRS: Final = 12
 """Pairs of cuts of a hole that are tried."""
 
 
@@ -84,18 +82,11 @@ def holed_fill(
     """
     course = _Course(loop, normals, pieces, splines, GuideChart(guide))
     outer, *holes = course.rings()
-    for regions in _regions(outer, holes, course.chart):
-        found: list[PatchFill] = []
-        for ring in regions:
-            search = Search(loop, guide.spacing, partial(_led, course.chart))
-            parts = search.parts(ring, len(TRIED))
-            if parts is None:
-                break
-            found += parts
-        else:
-            guided = frozenset(k for k, field in enumerate(normals.fields) if field is None)
-            return PartedFill.of(loop, tuple(found), guided=guided, starts=normals.starts)
-    return None
+    parts = _parts(_Region(loop, course.chart, guide.spacing), outer, holes)
+    if parts is None:
+        return None
+    guided = frozenset(k for k, field in enumerate(normals.fields) if field is None)
+    return PartedFill.of(loop, parts, guided=guided, starts=normals.starts)
 
 
 def _led(chart: GuideChart, one: Spot, other: Spot) -> tuple[Spline, NormalField]:
@@ -194,26 +185,36 @@ class _Cut:
     inner: int
 
 
-def _regions(outer: Ring, holes: Sequence[Ring], chart: GuideChart) -> Iterator[tuple[Ring, ...]]:
-    """Yield rows of rings without holes into which cuts part a region, the best first.
+@dataclass(frozen=True, eq=False)
+class _Region:
+    """What all regions of a loop have in common."""
+
+    loop: Loop
+    chart: GuideChart
+    spacing: float
+
+
+def _parts(region: _Region, outer: Ring, holes: Sequence[Ring]) -> tuple[PatchFill, ...] | None:
+    """Return the fills of a region in parts that do not fold; None where no cuts do it.
 
     From one of its holes two cuts lead to the outline; what is left are regions with fewer holes.
     """
     if not holes:
-        yield (outer,)
-        return
+        search = Search(region.loop, region.spacing, partial(_led, region.chart))
+        return search.parts(outer, len(TRIED))
     for number, hole in _by_nearness(outer, holes):
         others = [other for k, other in enumerate(holes) if k != number]
         for one, two in itertools.islice(_pairs(outer, hole, others), TRIED_PAIRS):
-            parts = _parted(outer, hole, one, two, chart)
-            if parts is None:
-                continue
-            within = [[hole for hole in others if _holds(part, hole)] for part in parts]
+            both = _parted(outer, hole, one, two, region.chart)
+            within = [[hole for hole in others if _holds(part, hole)] for part in both]
             if sum(map(len, within)) < len(others):
                 continue
-            for first in itertools.islice(_regions(parts[0], within[0], chart), TRIED_PAIRS):
-                for second in itertools.islice(_regions(parts[1], within[1], chart), TRIED_PAIRS):
-                    yield (*first, *second)
+            rows = sorted(zip(both, within, strict=True), key=lambda row: len(row[1]))
+            first = _parts(region, *rows[0])
+            second = None if first is None else _parts(region, *rows[1])
+            if first is not None and second is not None:
+                return (*first, *second)
+    return None
 
 
 def _flat_of(ring: Ring) -> Array:
@@ -274,12 +275,9 @@ def _single_cuts(outer: Ring, hole: Ring, others: Sequence[Ring]) -> list[_Cut]:
         way = starts[1][j] - starts[0][i]
         one, two = float(angle_from(outs[0][i], way)), float(angle_from(outs[1][j], -way))
         angles = np.array((one, insides[0][i] - one, two, insides[1][j] - two))
-        if angles.min() < SHARPEST or (np.abs(angles - np.pi) < np.pi - FLATTEST).any():
-            continue
-        cost = float(np.hypot(*way))
-        cost *= 1.0 + float(np.maximum(GOOD[0] - angles, 0.0).sum() / GOOD[0])
-        cost *= 1.0 + float(np.maximum(angles - GOOD[1], 0.0).sum() / GOOD[0])
-        made.append(_Cut(cost, i, j))
+        factor = factor_of_angles(angles, (outer[i].kink, hole[j].kink))
+        if factor is not None:
+            made.append(_Cut(factor * float(np.hypot(*way)), i, j))
     made.sort(key=lambda cut: cut.cost)
     free = (
         cut
@@ -297,17 +295,14 @@ def _ways(ring: Ring) -> tuple[Array, Array, Array]:
     return spots, out, angle_from(out, back)
 
 
-def _parted(
-    outer: Ring, hole: Ring, one: _Cut, two: _Cut, chart: GuideChart
-) -> tuple[Ring, Ring] | None:
-    """Return both parts of a region between two cuts from a hole; None where none leads across."""
+def _parted(outer: Ring, hole: Ring, one: _Cut, two: _Cut, chart: GuideChart) -> tuple[Ring, Ring]:
+    """Return both parts of a region between two cuts from a hole."""
     if one.outer > two.outer:
         one, two = two, one
-    first = cut_between(outer[one.outer], hole[one.inner], partial(_led, chart))
-    second = cut_between(outer[two.outer], hole[two.inner], partial(_led, chart))
-    if first is None or second is None:
-        return None
-    (there, back), (forth, home) = first, second
+    (there, back), (forth, home) = (
+        spots_of_cut(*ends, *_led(chart, *ends))
+        for ends in ((outer[cut.outer], hole[cut.inner]) for cut in (one, two))
+    )
     between = outer[one.outer : two.outer]
     rest = (*outer[two.outer :], *outer[: one.outer])
     return (
