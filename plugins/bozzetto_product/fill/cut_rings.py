@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, cross_product
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto_product.fill.domain import cross
@@ -105,7 +105,7 @@ class Search:
         loop: Loop,
         spacing: float,
         leading: Leading,
-        accepts: Callable[[Ring, PatchFill], bool] = lambda ring, fill: True,
+        accepts: Callable[[PatchFill], bool] = lambda fill: True,
     ) -> None:
         self._loop = loop
         self._spacing = spacing
@@ -132,7 +132,7 @@ class Search:
 
     def _filled(self, ring: Ring) -> PatchFill | None:
         """Return the fill of a part; None where it folds, or leaves the normals of a cut."""
-        if not is_plain(ring) or self._left <= 0:
+        if not is_plain([spot.kink for spot in ring]) or self._left <= 0:
             return None
         self._left -= 1
         sides = sides_of_pieces(
@@ -145,7 +145,7 @@ class Search:
             fill = patch_fill(frame, self._loop, self._spacing, key_of(frame, self._spacing))
         except UserError:
             return None
-        if fill.folded or fill.cut_degrees > CUT_DEGREES or not self._accepts(ring, fill):
+        if fill.folded or fill.cut_degrees > CUT_DEGREES or not self._accepts(fill):
             return None
         return fill
 
@@ -157,9 +157,14 @@ def has_halves(kinks: Sequence[float]) -> bool:
     return all(b - a >= 2 for a, b in zip(starts, after, strict=True))
 
 
-def is_plain(ring: Ring) -> bool:
-    """Whether all sides end at convex corners, and each is bent inward once at most."""
-    kinks = [spot.kink for spot in ring]
+def is_plain(kinks: Sequence[float]) -> bool:
+    """Whether all sides end at convex corners, and each is bent inward once at most.
+
+    Parameters
+    ----------
+    kinks : sequence of float
+        Turns at the starts of the pieces, radians.
+    """
     kinds = [turn_kind(kink) for kink in kinks]
     return kinds.count(1) >= FEWEST and not is_crowded(kinds) and has_halves(kinks)
 
@@ -171,63 +176,93 @@ def best_cuts(ring: Ring) -> Iterator[tuple[int, int]]:
     """
     import shapely
 
-    count = len(ring)
     outline = shapely.Polygon(np.concatenate([spot.flat for spot in ring]))
     if not outline.is_valid:
         return
-    spots = np.array([spot.flat[0] for spot in ring])
-    out = np.array([spot.flat[1] for spot in ring]) - spots
-    back = np.array([ring[k - 1].flat[-1] for k in range(count)]) - spots
-    inside = angle_from(out, back)
-    arc = np.cumsum([0.0, *(spot.piece.piece.length for spot in ring)])
     room = outline.buffer(1e-6 * float(np.sqrt(outline.area)))
+    shapely.prepare(room)
+    arc = np.cumsum([0.0, *(spot.piece.piece.length for spot in ring)])
     kinks = [spot.kink for spot in ring]
-    rated = []
-    for i, j in itertools.combinations(range(count), 2):
-        way = spots[j] - spots[i]
-        one, other = float(angle_from(out[i], way)), float(angle_from(out[j], -way))
-        angles = np.array((one, inside[i] - one, other, inside[j] - other))
-        factor = factor_of_angles(angles, (kinks[i], kinks[j]))
-        if factor is None:
-            continue
-        turns = (np.pi - angles).tolist()
-        along = [0.0] * (CUT_PIECES - 1)
+    one, other = np.triu_indices(len(ring), 1)
+    ways = FlatWays.of(ring)
+    angles, lengths = ways.cuts(one, ways, other)
+    between = arc[other] - arc[one]
+    costs = factors_of_angles(angles, ways.kinks[one], ways.kinks[other])
+    costs *= lengths / np.minimum(between, arc[-1] - between)
+    along = [0.0] * (CUT_PIECES - 1)
+    for k in np.argsort(costs, kind="stable").tolist():
+        if not np.isfinite(costs[k]):
+            return
+        i, j, turns = int(one[k]), int(other[k]), (np.pi - angles[k]).tolist()
         first = [turns[0], *kinks[i + 1 : j], turns[3], *along]
         second = [turns[2], *kinks[j + 1 :], *kinks[:i], turns[1], *along]
         if not (has_halves(first) and has_halves(second)):
             continue
-        if not room.covers(shapely.LineString(spots[[i, j]])):
-            continue
-        between = float(arc[j] - arc[i])
-        cost = float(np.hypot(*way)) / min(between, float(arc[-1]) - between)
-        rated.append((factor * cost, i, j))
-    for _, i, j in sorted(rated):
-        yield i, j
+        if room.covers(shapely.LineString(ways.spots[[i, j]])):
+            yield i, j
 
 
-def factor_of_angles(angles: Array, kinks: tuple[float, float]) -> float | None:
-    """Return the factor on the cost of a cut by how it stands on the outline.
+@dataclass(frozen=True, eq=False)
+class FlatWays:
+    """How a ring runs through its spots in the flat outline.
 
     Parameters
     ----------
-    angles : (4,) float
-        On both sides of the cut at its start, and at its end, radians.
-    kinks : (float, float)
-        Turns of the outline at its start and its end, radians, negative where concave.
-
-    Returns
-    -------
-    float or None
-        None where it is too sharp, or where a side would not end.
+    spots, out : (n, 2) float
+        Where they are, and the chords that leave them.
+    inside : (n,) float
+        Angles within the ring, radians.
+    kinks : (n,) float
+        See `Spot`.
     """
-    if angles.min() < SHARPEST or (np.abs(angles - np.pi) < np.pi - FLATTEST).any():
-        return None
-    factor = 1.0 + float(np.maximum(GOOD[0] - angles, 0.0).sum() / GOOD[0])
-    factor *= 1.0 + float(np.maximum(angles - GOOD[1], 0.0).sum() / GOOD[0])
-    for kink, parts in zip(kinks, (angles[:2], angles[2:]), strict=True):
-        if turn_kind(kink) < 0 and parts.max() < np.pi:
-            factor *= CONCAVE_GAIN
-    return factor
+
+    spots: Array
+    out: Array
+    inside: Array
+    kinks: Array
+
+    @classmethod
+    def of(cls, ring: Ring) -> FlatWays:
+        """Return the ways of a ring."""
+        spots = np.array([spot.flat[0] for spot in ring])
+        out = np.array([spot.flat[1] for spot in ring]) - spots
+        back = np.array([ring[k - 1].flat[-1] for k in range(len(ring))]) - spots
+        kinks = np.array([spot.kink for spot in ring])
+        return cls(spots, out, angle_from(out, back), kinks)
+
+    def cuts(self, one: Index, ways: FlatWays, other: Index) -> tuple[Array, Array]:
+        """Return how cuts to spots of a ring stand on both outlines, and their lengths.
+
+        Returns
+        -------
+        angles : (n, 4) float
+            On both sides of each cut at its start, and at its end, radians.
+        lengths : (n,) float
+        """
+        way = ways.spots[other] - self.spots[one]
+        first, second = angle_from(self.out[one], way), angle_from(ways.out[other], -way)
+        angles = (first, self.inside[one] - first, second, ways.inside[other] - second)
+        return np.stack(angles, axis=1), np.linalg.norm(way, axis=1)
+
+
+def factors_of_angles(angles: Array, first: Array, last: Array) -> Array:
+    """Return the factors on the costs of cuts by how they stand on the outline, (n,).
+
+    Infinite where one is too sharp, or where a side would not end.
+
+    Parameters
+    ----------
+    angles : (n, 4) float
+        See `FlatWays.cuts`.
+    first, last : (n,) float
+        Turns of the outlines at the starts and ends, radians, negative where concave.
+    """
+    unsound = (angles < SHARPEST) | (np.abs(angles - np.pi) < np.pi - FLATTEST)
+    factors = 1.0 + np.maximum(GOOD[0] - angles, 0.0).sum(axis=1) / GOOD[0]
+    factors *= 1.0 + np.maximum(angles - GOOD[1], 0.0).sum(axis=1) / GOOD[0]
+    for kinks, parts in ((first, angles[:, :2]), (last, angles[:, 2:])):
+        factors[(kinks <= -TURN) & (parts.max(axis=1) < np.pi)] *= CONCAVE_GAIN
+    return np.where(unsound.any(axis=1), np.inf, factors)
 
 
 def angle_from(one: Array, other: Array) -> Array:

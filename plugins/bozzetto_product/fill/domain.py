@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array
 
 MOST_TURN: Final = 2.64
 """Largest turn at a corner of the domain, radians: patches get no thinner."""
@@ -30,13 +30,6 @@ centre."""
 
 GRID: Final = 24
 """Places along the domain's box at which a centre is looked for."""
-
-
-ROUNDS: Final = 12
-"""Steps of Newton's method from a place of the domain to its parameters."""
-
-SINGULAR: Final = 1e-12
-"""Least area that parameters span in it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,30 +66,6 @@ class Domain:
         """Return the place of parameters of every patch, (n, m, 2)."""
         shares = np.stack(((1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v), axis=1)
         return np.asarray(np.einsum("mc,kcd->kmd", shares, self.quads))
-
-    def parameters(self, places: Array) -> tuple[Index, Array]:
-        """Return the patches over places, (n,), and u and v there, (n, 2), by Newton's method.
-
-        Of places beside the domain those of the nearest border.
-        """
-        best = np.full(len(places), np.inf)
-        patches, found = np.zeros(len(places), int), np.zeros((len(places), 2))
-        for number, (a, b, c, d) in enumerate(self.quads):
-            along_u, along_v, twist = b - a, d - a, a - b + c - d
-            at = np.full((len(places), 2), 0.5)
-            for _ in range(ROUNDS):
-                u, v = at[:, :1], at[:, 1:]
-                off = places - a - u * along_u - v * along_v - u * v * twist
-                by_u, by_v = along_u + v * twist, along_v + u * twist
-                whole = cross(by_u, by_v)
-                whole = np.where(np.abs(whole) > SINGULAR, whole, SINGULAR)
-                step = np.column_stack((cross(off, by_v), cross(by_u, off))) / whole[:, None]
-                at = np.clip(at + np.clip(step, -0.5, 0.5), 0.0, 1.0)
-            u, v = at[:, :1], at[:, 1:]
-            gaps = np.linalg.norm(places - a - u * along_u - v * along_v - u * v * twist, axis=1)
-            nearer = gaps < best
-            best[nearer], patches[nearer], found[nearer] = gaps[nearer], number, at[nearer]
-        return patches, found
 
 
 def cross(a: Array, b: Array) -> Array:

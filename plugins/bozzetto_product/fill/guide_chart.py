@@ -9,6 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property
+from bozzetto_product.fill.domain_mesh import parameters_of
 from bozzetto_product.fill.feet import feet_on
 from bozzetto_product.fill.fill_mesh import places_and_normals
 from bozzetto_product.fill.patch_fill import PatchFill
@@ -49,7 +50,7 @@ class GuideChart:
 
     def surface(self, flat: Array) -> tuple[Array, Array]:
         """Return places of the guide, and its unit normals, (n, 3) each."""
-        patches, parameters = self.guide.solution.space.domain.parameters(flat / self.scale)
+        patches, parameters = parameters_of(self.guide.solution.space.domain, flat / self.scale)
         places, normals = np.empty((2, len(flat), 3))
         for number in np.unique(patches).tolist():
             own = patches == number
