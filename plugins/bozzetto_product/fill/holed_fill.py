@@ -28,8 +28,10 @@ from bozzetto_product.fill.cut_rings import (
     turned_from,
 )
 from bozzetto_product.fill.edge_pieces import EdgePiece
+from bozzetto_product.fill.feet import feet_on
 from bozzetto_product.fill.guide_chart import GuideChart
 from bozzetto_product.fill.half_sides import HalfSide, SidePiece
+from bozzetto_product.fill.moved_patches import Offsets, moved_patches
 from bozzetto_product.fill.normal_field import (
     NormalField,
     across,
@@ -44,6 +46,15 @@ from bozzetto_product.network.net import Loop
 
 CUT_PLACES: Final = 9
 """Places of the guide that a cut goes through."""
+
+ROUNDS: Final = 3
+"""Most times that the guide is bent to the holes."""
+
+MET: Final = 1e-6
+"""Distance of the guide from the holes, as share of its size, at which it goes through them."""
+
+WEIGHT: Final = 100.0
+"""How many times as firmly as a stroke holes hold the guide: they are exact."""
 
 LOOKS: Final = 5
 """Places along each direction of a patch at which its distance from the guide is measured."""
@@ -77,6 +88,14 @@ def holed_fill(
     guide : PatchFill
         Of the outline alone.
     """
+    border = np.concatenate(
+        [
+            piece.curve.value(np.linspace(*piece.curve.range, SAMPLES + 1)[:-1])
+            for own in pieces[normals.starts[1] :]
+            for piece in own
+        ]
+    )
+    guide = _through(guide, border)
     course = _Course(loop, normals, pieces, splines, GuideChart(guide))
     outer, *holes = course.rings()
     leading, near = (
@@ -91,6 +110,24 @@ def holed_fill(
         parts += found
     guided = frozenset(k for k, field in enumerate(normals.fields) if field is None)
     return PartedFill.of(loop, tuple(parts), guided=guided, starts=normals.starts)
+
+
+def _through(guide: PatchFill, points: Array) -> PatchFill:
+    """Return the guide bent so that it goes near points; as it is where it would fold."""
+    made = guide
+    for _ in range(ROUNDS):
+        feet = feet_on(made.patches, points)
+        normals = np.empty_like(points)
+        for number in np.unique(feet.patches).tolist():
+            own = feet.patches == number
+            normals[own] = made.patches[number].normals(*feet.parameters[own].T)
+        heights = ((feet.places - points) * normals).sum(axis=1)
+        if float(np.abs(heights).max()) <= MET * guide.size:
+            break
+        weights = np.full(len(points), WEIGHT)
+        offsets = Offsets(feet.patches, feet.parameters, normals, heights, weights)
+        made = moved_patches(guide, made, offsets)
+    return guide if made.folded else made
 
 
 def _led(chart: GuideChart, one: Spot, other: Spot) -> tuple[Spline, NormalField]:
@@ -157,23 +194,28 @@ class _Course:
 
     def _border(self, side: SidePiece) -> Array:
         """Return the places of a piece of the outline in the chart, (m, 2)."""
-        half, start, middle = self._halves[id(side.piece)]
-        number = next(k for k, own in enumerate(half.pieces) if own.piece is side.piece)
+        half, start, middle = self._halves[_name_of(side)]
+        number = [_name_of(own) for own in half.pieces].index(_name_of(side))
         low, high = half.breaks[number : number + 2]
         at = np.linspace(*((low, high) if half.onward else (high, low)), SAMPLES + 1)[:-1, None]
         return np.asarray(self.chart.scale * (start + at * (middle - start)))
 
     @cached_property
-    def _halves(self) -> dict[int, tuple[HalfSide, Array, Array]]:
-        """The half of a side of the guide, and its ends in the domain, by identities of pieces."""
+    def _halves(self) -> dict[tuple[int, float], tuple[HalfSide, Array, Array]]:
+        """The half of a side of the guide, and its ends in the domain, by the names of pieces."""
         domain = self.chart.guide.solution.space.domain
         corners = domain.corners, np.roll(domain.corners, -1, axis=0)
         return {
-            id(piece.piece): (half, starts[number], domain.middles[number])
+            _name_of(piece): (half, starts[number], domain.middles[number])
             for number, side in enumerate(self.chart.guide.sides)
             for half, starts in zip(side.halves, corners, strict=True)
             for piece in half.pieces
         }
+
+
+def _name_of(piece: SidePiece) -> tuple[int, float]:
+    """Return what tells a piece from all others of a loop."""
+    return piece.half_edge, piece.piece.curve.range[0]
 
 
 def _off(course: _Course, holes: Sequence[Ring]) -> float:

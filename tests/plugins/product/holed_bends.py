@@ -163,3 +163,62 @@ def random_cylinder(seed: int) -> Holed:
         depth = sag * (kind == "pocket") + float(random.uniform(0.08, 0.3)) * radius
         features.append((kind, face, corners, size if round_ else 0.0, depth))
     return cylinder(radius, height, seams, features)
+
+
+def random_top(seed: int) -> Holed:
+    """Return a prism of a bent top with one to three features on it; its volume is not known.
+
+    The curves lie on the top exactly; where the surface goes between them they do not tell.
+    """
+    random = np.random.default_rng(seed)
+    count = int(random.integers(3, 6))
+    at = np.sort(2.0 * np.pi * (np.arange(count) + random.uniform(-0.2, 0.2, count)) / count)
+    rim = random.uniform(35.0, 50.0, count)[:, None] * np.column_stack((np.cos(at), np.sin(at)))
+    bends, lean = random.uniform(-0.008, 0.008, 3), random.uniform(-0.1, 0.1, 2)
+    wave, pace = random.uniform(0.0, 1.0), random.uniform(0.03, 0.06)
+
+    def top(flat: Array) -> Array:
+        x, y = flat.T
+        return (
+            30.0 + lean[0] * x + lean[1] * y + bends[0] * x * x + bends[1] * x * y
+            + bends[2] * y * y + wave * np.sin(pace * (x + 2.0 * y))
+        )  # fmt: skip
+
+    def lifted(rows: list[Array], level: float | None = None) -> list[Array]:
+        return [
+            np.column_stack((row, top(row) if level is None else np.full(len(row), level)))
+            for row in rows
+        ]
+
+    made = Holed()
+    sides = _round(rim, 0.0)
+    bottom, above = ([outline] for outline in made.walls("o", lifted(sides, 0.0), lifted(sides)))
+    free = shapely.Polygon(rim).buffer(-2.0)
+    number = 0
+    for _ in range(60):
+        if number == 3 or (number and random.random() < 0.1):
+            break
+        radius, middle = float(random.uniform(4.0, 11.0)), random.uniform(-40.0, 40.0, 2)
+        if not free.contains(shapely.Point(middle).buffer(radius + 0.5)):
+            continue
+        free = free.difference(shapely.Point(middle).buffer(radius + 2.0))
+        bend = radius if random.random() < 0.5 else 0.0
+        place = (float(middle[0]), float(middle[1]))
+        corners = regular(
+            int(random.integers(3, 6)), place, radius, float(random.uniform(0.0, 6.0))
+        )
+        flat, name = _round(corners, bend), f"{chr(97 + number)}."
+        heights = np.concatenate([top(row) for row in flat])
+        kind = KINDS[int(random.integers(3))]
+        level = {"bore": 0.0, "pocket": heights.min() - 4.0, "boss": heights.max() + 4.0}[kind]
+        foot, mouth = made.walls(name, lifted(flat, level), lifted(flat))
+        above.append(mouth)
+        if kind == "bore":
+            bottom.append(foot)
+        else:
+            made.face(foot)
+        number += 1
+    made.face(*bottom)
+    made.face(*above)
+    made.volume = float("nan")
+    return made
