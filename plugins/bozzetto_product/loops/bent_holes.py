@@ -31,11 +31,12 @@ from bozzetto_product.network.outlines import joined_outlines, outlines_of, reve
 if TYPE_CHECKING:
     import shapely
 
-NEAR: Final = 0.02
+NEAR: Final = 0.03
 """Distance from a surface, as share of the size of its loop, up to which a loop may lie in it."""
 
-LEAVES: Final = 4.0
-"""How many times as far as the loop is from it another surface must reach from that surface."""
+LEAVES: Final = 2.0
+"""How many times as far as the loop is from it another surface must reach from that surface: of the
+top of a boss its wall reaches once as far."""
 
 BULGE: Final = 0.5
 """How far a surface may reach out of the box of its outline, as share of its diagonal: a half

@@ -18,7 +18,7 @@ from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.outlines import outlines_of
 from bozzetto_product.solve.found_patches import found_loops, switched, with_patches_found
 from bozzetto_product.solve.solver import net_of_state
-from tests.plugins.product.holed_bends import cylinder, random_cylinder
+from tests.plugins.product.holed_bends import cylinder, random_cylinder, random_top
 from tests.plugins.product.holed_plates import regular
 from tests.plugins.product.sketched_network import PLANE, Sketch
 from tests.plugins.product.test_holes import faces_of, volume_of
@@ -91,6 +91,7 @@ def test_only_edges_where_the_network_is_smooth_are_told_to_be_so(pocket):
     assert not one.creased
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "corners", "bend"),
     [
@@ -109,6 +110,7 @@ def test_each_kind_of_hole_has_the_volume_that_it_has(kind, corners, bend):
     assert off_cylinder(result) < 1e-4
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_cylinders_in_any_place_are_what_they_are(seed):
     made = random_cylinder(seed)
@@ -118,6 +120,20 @@ def test_random_cylinders_in_any_place_are_what_they_are(seed):
     assert volume_of(result) == pytest.approx(made.volume, rel=3e-3)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [7404, 7405])
+def test_random_tops_that_bend_freely_are_closed(seed):
+    made = random_top(seed)
+    result, told = solved(made.facts(turned(seed)))
+    assert faces_of(result) == set(made.faces)
+    assert told["closed"]
+    volume_of(result)
+    for one in holed(result):
+        assert not one.fill.folded
+        assert not getattr(one.fill, "cut_degrees", 0.0) > 1.0
+
+
+@pytest.mark.long
 def test_size_and_the_order_of_curves_change_nothing(pocket):
     made, _, one = pocket
     given = made.facts(turned(3), 1e3)
@@ -154,6 +170,7 @@ def test_a_hole_that_touches_the_outline_is_left_as_it_is():
     assert not holed(result)
 
 
+@pytest.mark.long
 def test_a_hole_is_of_the_nearer_of_two_walls():
     outer, inner = body(), cylinder(RADIUS - 0.8, HEIGHT, 4, [])
     curves = dict(outer.curves) | {f"i{name}": row for name, row in inner.curves.items()}
@@ -239,6 +256,7 @@ def test_faces_that_are_images_of_one_another_are_so_to_the_last_bit():
     assert not np.isfinite(second.fill.g1_degrees).any()
 
 
+@pytest.mark.long
 def test_loops_of_a_report_give_the_same_surfaces_in_a_file(pocket):
     made, state, result = pocket
     given = made.facts()
@@ -249,14 +267,14 @@ def test_loops_of_a_report_give_the_same_surfaces_in_a_file(pocket):
 
 
 def test_pressure_leaves_a_face_with_holes_as_it_is_and_that_is_told(pocket):
-    made, state, _ = pocket
-    told = ProductModeler().report(state, ProductModeler().solve(state, Job()), Job())
-    row = next(row for row in told["patches"] if row["holes"])
-    given = made.facts()
-    given["network"]["pressure"] = {" ".join(row["curves"]): 0.3}
-    _, pressed = solved(given)
-    assert pressed["closed"]
-    assert [sentence for sentence in pressed["warnings"] if "has holes" in sentence]
+    _, state, result = pocket
+    (one,) = holed(result)
+    state = state.with_node(replace(one.patch, pressure=0.3))
+    pressed = ProductModeler().solve(state, Job())
+    told = ProductModeler().report(state, pressed, Job())
+    assert told["closed"]
+    assert [sentence for sentence in told["warnings"] if "has holes" in sentence]
+    assert volume_of(pressed) == pytest.approx(volume_of(result), rel=1e-9)
 
 
 def test_a_chart_gives_back_the_places_of_its_surface(pocket):
