@@ -20,6 +20,7 @@ from bozzetto_product.loops.holes import (
     LEAVING,
     WALLED,
     Ring,
+    axes_across,
     outline_users,
     share_of_walls,
     unused_rings,
@@ -38,9 +39,9 @@ LEAVES: Final = 2.0
 """How many times as far as the loop is from it another surface must reach from that surface: of the
 top of a boss its wall reaches once as far."""
 
-BULGE: Final = 0.5
+BULGE: Final = 0.36
 """How far a surface may reach out of the box of its outline, as share of its diagonal: a half
-sphere does by .35."""
+sphere does by .354."""
 
 
 class BentSurface(Protocol):
@@ -125,14 +126,12 @@ def _within(
     import shapely
 
     rim = home[0]
-    reach = BULGE * rim.length
     near = [
         k
         for k, ring in enumerate(rings)
-        if ring.length < rim.length
-        and (ring.box[0] >= rim.box[0] - reach).all()
-        and (ring.box[1] <= rim.box[1] + reach).all()
+        if ring.size < rim.size
         and all(ring.nodes.isdisjoint(o.nodes) and ring.edges.isdisjoint(o.edges) for o in home)
+        and _is_over(rim, ring)
     ]
     surface = surface_of() if near else None
     if surface is None:
@@ -151,6 +150,20 @@ def _within(
     for number, (polygon, k, off) in enumerate(found):
         if not any(other.intersects(polygon) for other, *_ in found[:number]):
             yield k, off
+
+
+def _is_over(rim: Ring, ring: Ring) -> bool:
+    """Whether a ring may lie in a surface by where it is: over its outline, and not too high."""
+    import shapely
+
+    reach = BULGE * rim.length
+    low, high = ring.box
+    if (low < rim.box[0] - reach).any() or (high > rim.box[1] + reach).any():
+        return False
+    up = rim.area / max(rim.size, 1e-300)
+    axes = axes_across(up)
+    hull = shapely.MultiPoint(rim.points @ axes.T).convex_hull
+    return bool(hull.covers(shapely.MultiPoint(ring.points @ axes.T)))
 
 
 def _is_left(

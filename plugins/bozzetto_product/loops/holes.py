@@ -119,11 +119,7 @@ class Ring:
     def axes(self) -> Array:
         """Two unit vectors in its plane, (2, 3)."""
         assert self.plane is not None
-        normal = self.plane[1]
-        x = np.eye(3)[int(np.argmin(np.abs(normal)))]
-        x = x - (x @ normal) * normal
-        x = x / np.linalg.norm(x)
-        return np.stack((x, cross_product(normal, x)))
+        return axes_across(self.plane[1])
 
     @cached_property
     def inside(self) -> shapely.Polygon | None:
@@ -145,6 +141,14 @@ class Ring:
 
         ring = shapely.LinearRing(other.points @ self.axes.T)
         return bool(ring.is_simple and self.inside.contains_properly(ring))
+
+
+def axes_across(normal: Array) -> Array:
+    """Return two unit vectors in the plane across a unit normal, (2, 3)."""
+    x = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    x = x - (x @ normal) * normal
+    x = x / np.linalg.norm(x)
+    return np.stack((x, cross_product(normal, x)))
 
 
 class _Rings:
