@@ -39,6 +39,9 @@ LEAVES: Final = 2.0
 """How many times as far as the loop is from it another surface must reach from that surface: of the
 top of a boss its wall reaches once as far."""
 
+STEEP: Final = 0.3
+"""Sine of the angle to the surface at which most curves of the surfaces that leave it begin."""
+
 BULGE: Final = 0.36
 """How far a surface may reach out of the box of its outline, as share of its diagonal: a half
 sphere does by .354."""
@@ -169,10 +172,28 @@ def _is_over(rim: Ring, ring: Ring) -> bool:
 def _is_left(
     ring: Ring, surface: BentSurface, off: float, users: Mapping[int, Sequence[Ring]]
 ) -> bool:
-    """Whether all surfaces on a ring leave the surface in which it lies."""
+    """Whether all surfaces on a ring leave the surface in which it lies, and not along it.
+
+    The inner side of a thin wall lies along the outer one.
+    """
     least = max(LEAVES * off, LEAVING * ring.length)
     others = {id(o): o for edge in ring.edges for o in users.get(edge, ()) if o is not ring}
-    return all(surface.farthest(other.points) > least for other in others.values())
+    if any(surface.farthest(other.points) <= least for other in others.values()):
+        return False
+    sampled = ring.sampled
+    walls = frozenset(edge for other in others.values() for edge in other.edges) - ring.edges
+    leaving = [half for node in ring.nodes for half in sampled.outgoing[node] if half // 2 in walls]
+    if not leaving:
+        return True
+    normals = surface.feet(sampled.lines.reshape(-1, 3)[_starts(sampled, leaving)])[1]
+    steep = np.abs((sampled.leaving[leaving] * normals).sum(axis=1)) >= STEEP
+    return bool(2 * int(steep.sum()) > len(leaving))
+
+
+def _starts(sampled: SampledNet, halves: Sequence[int]) -> list[int]:
+    """Return the numbers of the points at which half edges begin, among those of all edges."""
+    count = sampled.lines.shape[1]
+    return [half // 2 * count + (count - 1) * (half % 2) for half in halves]
 
 
 def _clockwise(surface: BentSurface, hole: Ring) -> Loop:
