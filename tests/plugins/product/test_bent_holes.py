@@ -184,7 +184,7 @@ def test_a_hole_is_of_the_nearer_of_two_walls():
 def test_the_inner_side_of_a_thin_wall_is_no_hole_of_the_outer_one():
     outer, inner = cylinder(RADIUS, HEIGHT, 4, []), cylinder(RADIUS - 0.4, HEIGHT - 8.0, 4, [])
     curves = dict(outer.curves)
-    curves |= {f"i{name}": row + (0.0, 0.0, 4.0) for name, row in inner.curves.items()}
+    curves |= {f"i{name}": np.add(row, (0.0, 0.0, 4.0)) for name, row in inner.curves.items()}
     result, _ = solved(facts(curves))
     assert len(result.filled) == 12
     assert not holed(result)
