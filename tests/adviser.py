@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from bozzetto.geometry import Curve, Shapes
 from bozzetto.plugin import Command, Modeler, Tool, ViewAdvice
 from bozzetto.scene import Layer, Lines, Points, Scene
 from bozzetto.view.standard_views import look_along
-from tests import plugin_package
 
 MODELER = "adviser.marks"
 
@@ -34,10 +32,6 @@ abilities = ["read_shapes"]
 
 ABOVE = 0.5
 """How steeply one must look down for a good view (sine)."""
-
-
-def write_package(folder: Path, name: str) -> None:
-    plugin_package.write(folder, name, MANIFEST)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ for _name in ONE_THREAD:
 
 # Before anything imports Qt: the X11 platform aborts the process where no X server is.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+os.environ.setdefault("PYOPENGL_ERROR_CHECKING", "0")  # as the program has it
 
 OUTSIDE: Mapping[str, str] = dict(os.environ)
 """The environment as we found it: what a test hands to pip needs its caches and indexes."""

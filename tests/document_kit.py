@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model, NamedView, OpaqueState, Underlay
 from bozzetto.document.waiting_ink import Waiting, WaitingStroke
 from bozzetto.geometry.mesh import Mesh
@@ -226,3 +228,9 @@ def same_document(first: Document, second: Document) -> bool:
         and sorted(first.foreign) == sorted(second.foreign)
         and same_state(first.waiting, second.waiting)
     )
+
+
+def documents_of(history: History) -> list[Document]:
+    """All snapshots of a history, in the order of its entries; where it stands does not change."""
+    walker = copy(history)
+    return [walker.go_to(place) for place in range(len(history.entries))]

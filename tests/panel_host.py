@@ -13,17 +13,22 @@ class StandInHost:
         The selected object's state.
     next_step : callable, optional
         What `next_step` says of a state.
+
+    Attributes
+    ----------
+    say_next : callable
+        The same; another one may be put there.
     """
 
     def __init__(self, state, next_step=None):
         self.state = state
         self.labels, self.going, self.problems = [], [], []
-        self._next_step = next_step
+        self.say_next = next_step
         self._callbacks = []
 
     @property
     def next_step(self):
-        return self._next_step(self.state)
+        return self.say_next(self.state)
 
     def change(self, state, label, *, going=False):
         self.labels.append(label)

@@ -10,6 +10,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import pytest
+
 CODE = """
 from bozzetto.plugin import hookimpl
 
@@ -32,11 +34,31 @@ def write(folder: Path, name: str, manifest: str, code: str = CODE) -> None:
     (package / "plugin.toml").write_text(manifest)
 
 
+def fixture_of(source: str, modeler: str) -> Any:
+    """A fixture: a new modeler of a module, in a package of its own.
+
+    Parameters
+    ----------
+    source : str
+        The module, which has a `MANIFEST`; it is imported when a test asks for the modeler.
+    modeler : str
+        Its class of modelers.
+    """
+
+    @pytest.fixture
+    def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+        module = importlib.import_module(source)
+        with imported(module, getattr(module, modeler)(), tmp_path, monkeypatch) as one:
+            yield one
+
+    return made
+
+
 @contextmanager
 def imported(source: ModuleType, modeler: Any, tmp_path: Path, monkeypatch: Any) -> Iterator[Any]:
-    """The modeler in a package of its own, written by `source`; `modeler.package` is its name."""
+    """The modeler in a package of its own, described by `source`; `modeler.package` is its name."""
     package = f"made_up_{source.__name__.rpartition('.')[2]}_{tmp_path.name.replace('-', '_')}"
-    source.write_package(tmp_path / "packages", package)
+    write(tmp_path / "packages", package, source.MANIFEST)
     monkeypatch.syspath_prepend(tmp_path / "packages")
     importlib.invalidate_caches()
     importlib.import_module(package).given.append(modeler)

@@ -109,8 +109,7 @@ def open_sample(modeler: str, stem: str, folder: Path) -> Window:
 
 def close(window: Window) -> None:
     """Close a window without a question."""
-    window._closing = True
-    window.close()
+    window.close_without_asking()
     window.deleteLater()
     window.session.deleteLater()
     QApplication.processEvents()
@@ -172,7 +171,7 @@ def drag(window: Window, key: tuple[str, str], seconds: float) -> Dragged:
             timer.stop()
             return
         value = low + (high - low) * (0.05 + 0.9 * (1.0 - abs(1.0 - 2.0 * share)))
-        row.changed.emit(row._typed(value), True)
+        row.changed.emit(round(value) if row.field.kind == "integer" else value, True)
         now = session.selection.model
         if now is not None and (not asked or asked[-1] is not now.state):
             asked.append(now.state)

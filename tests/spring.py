@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -13,7 +12,6 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.plugin import Modeler, Parameter, Tool
 from bozzetto.scene import Handle, Layer, Lines, Scene
-from tests import plugin_package
 
 MODELER = "spring.balls"
 
@@ -30,10 +28,6 @@ icon = "icon.svg"
 hint = "Draw where the ball hangs."
 order = 97
 """
-
-
-def write_package(folder: Path, name: str) -> None:
-    plugin_package.write(folder, name, MANIFEST)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -13,7 +12,6 @@ from bozzetto.geometry import Mesh, Shapes, Surface
 from bozzetto.plugin import Modeler, Parameter, Tool, ViewAdvice
 from bozzetto.scene import Handle, Image, Layer, Lines, Picture, Points, Scene
 from bozzetto.view import Camera
-from tests import plugin_package
 
 MODELER = "tracer.sketches"
 
@@ -40,10 +38,6 @@ DEPTH = 900.0
 """How far from the eye it hangs, mm."""
 
 MOST = 3
-
-
-def write_package(folder: Path, name: str) -> None:
-    plugin_package.write(folder, name, MANIFEST)
 
 
 @dataclass(frozen=True)

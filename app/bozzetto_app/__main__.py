@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         from bozzetto.cli.main import main as run
 
         return run(words)
-    options = _parser().parse_args(words) if words else PLAIN  # to make one takes a moment
+    options = make_parser().parse_args(words) if words else PLAIN  # to make one takes a moment
     if not _has_screen():
         print(NO_SCREEN, file=sys.stderr)
         return EXIT_ERROR
@@ -67,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return start(options.document, plugins=not options.no_plugins)
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="bozzetto", description="Open the window; see “bozzetto --help” for the commands."
     )

@@ -284,7 +284,7 @@ class Window(QMainWindow):
     def closeEvent(self, event: QCloseEvent) -> None:
         if not self._closing and self.session.drawing.is_modified:
             event.ignore()
-            QTimer.singleShot(0, lambda: self.files.when_safe(self._close_now))
+            QTimer.singleShot(0, lambda: self.files.when_safe(self.close_without_asking))
         elif self.session.files.saving:
             event.ignore()
             self._closing = True
@@ -293,7 +293,8 @@ class Window(QMainWindow):
             self._leave()
             event.accept()
 
-    def _close_now(self) -> None:
+    def close_without_asking(self) -> None:
+        """Close the window although changes may be in no file; a save under way ends first."""
         self._closing = True
         self.close()
 

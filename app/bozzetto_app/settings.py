@@ -1,4 +1,4 @@
-"""What the program remembers between two starts."""
+"""Settings that last from one start to the next."""
 
 from __future__ import annotations
 

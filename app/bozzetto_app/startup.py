@@ -171,7 +171,7 @@ def _after_first_paint(
         window.session.files.open_safely(document)
 
 
-class _DiskLog(logging.Handler):
+class DiskLog(logging.Handler):
     """Writes to a rotating file, which is opened and whose module is imported for the first."""
 
     @cached_property
@@ -190,12 +190,19 @@ class _DiskLog(logging.Handler):
         return handler
 
     def emit(self, record: logging.LogRecord) -> None:
+        """Write a record down."""
         self._file.emit(record)
+
+    def close(self) -> None:
+        """Close the file, if there was something to write."""
+        if "_file" in vars(self):
+            self._file.close()
+        super().close()
 
 
 def _log_to_disk() -> TextIO:
     """Log faults to a rotating file; crashes of native code leave a traceback beside it."""
-    logging.getLogger().addHandler(_DiskLog())
+    logging.getLogger().addHandler(DiskLog())
     file = open(state_folder() / "crash.log", "a", encoding="utf-8")
     faulthandler.enable(file)
     return file

@@ -54,14 +54,14 @@ class FileStamp(msgspec.Struct, frozen=True):
 
 
 class Over(Enum):
-    """What a file may be written over, where that is no content that is known."""
+    """Content that a file may be written over, where it is not a known one."""
 
     ANYTHING = "anything"
     NOTHING = "nothing"
 
 
 class Written(msgspec.Struct, frozen=True):
-    """What came of writing a file.
+    """Result of writing a file.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ FAR: int = 1 << 40
 
 
 class Taken(Enum):
-    """What came of trying to lock a file."""
+    """Result of trying to lock a file."""
 
     YES = "yes"
     BUSY = "busy"

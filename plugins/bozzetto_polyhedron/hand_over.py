@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, cylinder, plane_face
+from bozzetto.geometry import Brep, Curve, Placement, Shapes, Solid, cylinder, plane_face, sewn
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders
 from bozzetto_polyhedron.flat_pages import page_curves
 from bozzetto_polyhedron.mechanism.assembly import Motion
@@ -29,8 +29,9 @@ def shapes_of(
 ) -> Shapes:
     """Return every body that is shown and has faces, in the frame of the model; or their pages.
 
-    One that moves as bars is a rod for each, and one that moves as plates a face for each, as
-    soon as they have moved; names stay the same then, and a rod or a face keeps its shape.
+    One that moves as bars is a rod for each, one that moves as plates a face for each, and one that
+    folds at hinges its parts between them, as soon as they have moved; names stay the same then,
+    and a rod, a face or a part keeps its shape.
     """
     if state.files != "solids":
         return Shapes(curves=page_curves(state, results))
@@ -47,11 +48,12 @@ def shapes_of(
             continue
         placement = Placement()
         if machine is not None and body.id in machine.numbers:
-            motion = machine.motion(state.moved)
-            if body.moves == "flat" or (state.moved is not None and body.moves != "whole"):
+            motion, number = machine.motion(state.moved), machine.numbers[body.id]
+            stays = machine.machine.shapes[number].moves
+            if stays == "flat" or (state.moved is not None and stays != "whole"):
                 breps += _pieces(body, machine, motion)
                 continue
-            placement = taken_by(machine, machine.numbers[body.id], motion)
+            placement = taken_by(machine, number, motion)
         if found.changed is None:
             continue
         made = found.changed
@@ -80,17 +82,28 @@ def traced_curves(state: PolyhedronState, sources: Sources = NOTHING) -> tuple[C
 
 
 def _pieces(body: Body, made: Moving, motion: Motion) -> list[Brep]:
-    """Return the bars or the faces of a body, each with its number in its name."""
+    """Return the bars, the faces or the parts of a body, each with its number in its name."""
     number = made.numbers[body.id]
     shape, plates = made.machine.shapes[number], made.machine.plates[number]
     if shape.moves == "plates" and len(plates):
-        return [
+        faces = [
             plane_face(
                 [shape.vertices[list(ring)] for ring in rings],
                 name=f"{body.name} face {k + 1}",
                 color=body.color,
-            ).placed(placement_of(made, int(piece), motion))
-            for k, (rings, piece) in enumerate(zip(shape.faces, plates, strict=True))
+            )
+            for k, rings in enumerate(shape.faces)
+        ]
+        if shape.folds is not None:
+            pieces = np.unique(plates)
+            own = ([faces[k] for k in np.flatnonzero(plates == piece)] for piece in pieces)
+            faces = [
+                sewn(each, f"{body.name} part {k + 1}", body.color) for k, each in enumerate(own)
+            ]
+            plates = pieces
+        return [
+            face.placed(placement_of(made, int(piece), motion))
+            for face, piece in zip(faces, plates, strict=True)
         ]
     vertices = made.machine.moved(number, motion)
     radius = shape.wall / METRE / np.sqrt(np.pi)

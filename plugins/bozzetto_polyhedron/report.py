@@ -20,6 +20,7 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of
+from bozzetto_polyhedron.solve.bars import OF_BARS
 from bozzetto_polyhedron.solve.followed import Sources, followed_bodies
 from bozzetto_polyhedron.solve.forces import forces_of
 from bozzetto_polyhedron.solve.moving import MOST_POSES, NOTHING, is_mechanism, moving
@@ -67,9 +68,9 @@ def report_of(
         likeliest first: ``"confidence"`` and ``"vertices"``), ``"answer"`` (which of them is
         shown, counted from 1; 0 for none), ``"confidence"``, ``"residual_px"``, ``"noise_px"``,
         ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``; of bars that lie flat
-        without `OF_SOLIDS`. The same of all
-        bodies in ``"bodies"``, each with its ``"id"`` and ``"name"``. Where something moves,
-        ``"mechanism"``: ``"pieces"``, ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
+        without `OF_SOLIDS` and findings `OF_BARS`. The same of all bodies in ``"bodies"``, each
+        with its ``"id"`` and ``"name"``. Where something moves, ``"mechanism"``: ``"pieces"``,
+        ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
     """
     bodies = [body for body in state.of_kind(Body) if body.id in results]
     entries = []
@@ -150,6 +151,7 @@ def _entry(body: Body, found: Solved) -> dict[str, Any]:
         "health": [
             {"place": list(each.place), "what": each.what, "sentence": each.sentence}
             for each in graph.health
+            if body.moves != "flat" or each.what not in OF_BARS
         ],
         "told": list(_told(found)),
     }

@@ -10,6 +10,8 @@ import pytest
 from PySide6.QtCore import QEvent, QSettings
 from PySide6.QtWidgets import QApplication
 
+from tests import plugin_package
+
 
 @pytest.fixture(autouse=True)
 def _settings_apart(tmp_path):
@@ -25,6 +27,12 @@ def fake_session(qapp):
     from tests.app.fake_session import FakeSession
 
     return FakeSession(FOLDER)
+
+
+boxes = plugin_package.fixture_of("tests.app.troublemaker", "Boxes")
+marks = plugin_package.fixture_of("tests.adviser", "Marks")
+sketches = plugin_package.fixture_of("tests.tracer", "Sketches")
+springs = plugin_package.fixture_of("tests.spring", "Springs")
 
 
 # -- the real session and the real window ------------------------------------------------------
@@ -54,48 +62,6 @@ def settle(qtbot):
             qtbot.wait(2)
 
     return wait
-
-
-@pytest.fixture
-def boxes(tmp_path, monkeypatch):
-    """The troublemaking modeler in a package of its own; `boxes.package` is its name."""
-    from tests import plugin_package
-    from tests.app import troublemaker
-
-    with plugin_package.imported(
-        troublemaker, troublemaker.Boxes(), tmp_path, monkeypatch
-    ) as modeler:
-        yield modeler
-
-
-@pytest.fixture
-def marks(tmp_path, monkeypatch):
-    """The advising modeler in a package of its own; `marks.package` is its name."""
-    from tests import adviser, plugin_package
-
-    made = adviser.Marks()
-    with plugin_package.imported(adviser, made, tmp_path, monkeypatch) as modeler:
-        yield modeler
-
-
-@pytest.fixture
-def sketches(tmp_path, monkeypatch):
-    """The modeler of sketches in a package of its own; `sketches.package` is its name."""
-    from tests import plugin_package, tracer
-
-    made = tracer.Sketches()
-    with plugin_package.imported(tracer, made, tmp_path, monkeypatch) as modeler:
-        yield modeler
-
-
-@pytest.fixture
-def springs(tmp_path, monkeypatch):
-    """The modeler of balls that move, in a package of its own; `springs.package` is its name."""
-    from tests import plugin_package, spring
-
-    made = spring.Springs()
-    with plugin_package.imported(spring, made, tmp_path, monkeypatch) as modeler:
-        yield modeler
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -170,8 +136,15 @@ def make_window(qtbot, tmp_path, settle, _tidy):
 
     yield make
     for window in made:
-        window._closing = True
-        window.close()
+        window.close_without_asking()
         window.keeper.wait()
         window.deleteLater()
         window.session.deleteLater()
+
+
+@pytest.fixture
+def session(make_session, boxes):
+    """A session that draws boxes: everything but the mathematics is real."""
+    from tests.app.troublemaker import MODELER
+
+    return make_session(MODELER, extra=[boxes.package])

@@ -341,6 +341,9 @@ class Parts(Part):
     def of(self, model_id: str) -> PartTree | None:
         return self.session.trees.get(model_id)
 
+    def of_model(self, model: Model) -> PartTree | None:
+        return self.of(model.id)
+
     @property
     def chosen(self) -> Any:
         tree = self.session.trees.get(self.session.selection.id or "")

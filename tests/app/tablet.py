@@ -60,3 +60,9 @@ class Mouse:
         )
         event.setTimestamp(self.stamp)
         QApplication.sendEvent(self.widget, event)
+
+
+def draw(session, settle, *keepers, **more):
+    """Draw a circle, or a part of one, and wait until it is taken and kept."""
+    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
+    settle(session, *keepers)

@@ -8,8 +8,9 @@ import pytest
 from bozzetto.scene.display_list import Handle, Lines
 from bozzetto.view import Camera
 from bozzetto_car.body.build import body_of
+from tests.app.seen import layer_items, state
 from tests.app.tablet import Stylus
-from tests.app.test_car_window import GALLERY, drop, shown, state
+from tests.app.test_car_window import GALLERY, drop, rest
 
 
 @pytest.fixture
@@ -22,11 +23,6 @@ def window(make_window, settle):
     made.session.selection.select(next(iter(made.session.drawing.document)).id)
     rest(made, settle)
     return made
-
-
-def rest(window, settle):
-    for _ in range(3):
-        settle(window.session, window.keeper)
 
 
 def seen_from(window, azimuth, settle):
@@ -89,7 +85,7 @@ def test_nodes_and_tangents_are_dragged_with_the_pen(window, settle):
         for share in np.linspace(0.1, 1.0, 8):
             stylus.move(start + share * np.array([6.0, -22.0]))
         settle(session, window.keeper)
-        assert shown(window, "body")
+        assert layer_items(window, "body")
         stylus.lift(start + np.array([6.0, -22.0]))
         rest(window, settle)
     assert len(state(window).edits) == edits + 1

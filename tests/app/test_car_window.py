@@ -12,11 +12,13 @@ from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
 
+from bozzetto.scene import renderer
 from bozzetto.scene.display_list import Handle, Image, Label, Lines
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_app.canvas.viewport.software import SoftwareViewport
 from bozzetto_car.panel.template_pictures import TemplatePictures
 from bozzetto_car.state import CarState
+from tests.app.seen import layer_items, state
 from tests.app.tablet import Stylus
 
 GALLERY = Path(__file__).parents[2] / "docs" / "gallery" / "car"
@@ -38,6 +40,12 @@ def window(make_window, settle):
     return made
 
 
+def rest(window, settle):
+    """Wait until an answer, and the questions that come of it, are done."""
+    for _ in range(3):
+        settle(window.session, window.keeper)
+
+
 def drop(window, path, settle):
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path))])
@@ -46,15 +54,6 @@ def drop(window, path, settle):
     window.canvas.dropEvent(event)
     settle(window.session, window.keeper)
     settle(window.session, window.keeper)
-
-
-def state(window):
-    return window.session.selection.model.state
-
-
-def shown(window, name):
-    scene = window.session.scene.visible.under(window.session.scene.live)
-    return [i for layer in scene.layers if layer.name == name for i in layer.items]
 
 
 def corners(window):
@@ -73,7 +72,7 @@ def corners_in(scene, camera):
 
 def on_canvas(window, pixel):
     """Where the window shows a pixel of the sketch: the picture is a rectangle seen in space."""
-    (image,) = [i for i in shown(window, "sketch") if isinstance(i, Image)]
+    (image,) = [i for i in layer_items(window, "sketch") if isinstance(i, Image)]
     sketch = state(window).sketch
     corner, across, down = (np.array(v) for v in (image.corner, image.across, image.down))
     place = corner + pixel[0] / sketch.width * across + pixel[1] / sketch.height * down
@@ -142,16 +141,16 @@ def test_a_sketch_is_dropped_marked_and_becomes_a_car(window, settle, qtbot):
     assert session.advice.advice.pinned
     assert not session.advice.advice.follow
     assert ((corners(window) > -80.0) & (corners(window) < 980.0)).all(), "the same window of it"
-    assert shown(window, "network")
-    (thin,) = shown(window, "body")
+    assert layer_items(window, "network")
+    (thin,) = layer_items(window, "body")
     assert thin.opacity < 0.5, "the drawing shows through"
 
     # The next point is expected near where it is.
     asked = session.hints.step.sentence
-    (label,) = [i for i in shown(window, "marks") if isinstance(i, Label)]
+    (label,) = [i for i in layer_items(window, "marks") if isinstance(i, Label)]
     assert label.text
     assert asked.startswith("Touch")
-    assert any(isinstance(i, Lines) for i in shown(window, "marks"))
+    assert any(isinstance(i, Lines) for i in layer_items(window, "marks"))
     rows = session.solver.report["views"][0]
     assert rows["solved"]
     assert max(rows["residual_px"].values()) < 15.0
@@ -190,14 +189,13 @@ def test_the_drawing_stays_in_its_place_in_every_frame_when_its_camera_is_found(
     before, eye, frames = corners(window), window.session.view.camera.eye, []
     viewport = window.canvas.viewports.current
     assert isinstance(viewport, SoftwareViewport)
-    work = viewport._work
+    render = renderer.render
 
-    def noted(*asked, **more):
-        scene, camera = viewport._scene.under(viewport._live), viewport._camera
-        frames.append(corners_in(scene, camera.with_viewport(viewport.width(), viewport.height())))
-        return work(*asked, **more)
+    def noted(scene, camera, *asked, **more):
+        frames.append(corners_in(scene, camera))
+        return render(scene, camera, *asked, **more)
 
-    monkeypatch.setattr(viewport, "_work", noted)
+    monkeypatch.setattr(renderer, "render", noted)
     monkeypatch.setattr(Workbench, late, late_answer)
     monkeypatch.setattr("bozzetto_app.canvas.canvas.HELD", 60_000)  # beside other tests, too
     tap(window, on_canvas(window, FIRST["marks"][nodes[5]]), settle)
@@ -225,10 +223,10 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     stylus.press(start)
     for part in np.linspace(0.2, 1.0, 4):
         stylus.move(start + part * np.array([0.0, -12.0]))
-    qtbot.waitUntil(lambda: bool(shown(window, "car")), timeout=20_000)
-    assert not shown(window, "body")
-    assert not shown(window, "network")
-    assert any(isinstance(i, Label) for i in shown(window, "marks"))
+    qtbot.waitUntil(lambda: bool(layer_items(window, "car")), timeout=20_000)
+    assert not layer_items(window, "body")
+    assert not layer_items(window, "network")
+    assert any(isinstance(i, Label) for i in layer_items(window, "marks"))
     held = session.view.camera
     stylus.lift(start + np.array([0.0, -12.0]))
     settle(session, window.keeper)
@@ -236,11 +234,11 @@ def test_a_mark_is_dragged_and_the_car_goes_along(window, settle, qtbot):
     new = next(m for m in state(window).sketch.marks if m.node == "C3")
     assert new.v < old.v - 5.0
     assert new.u == pytest.approx(old.u, abs=1.0)
-    assert not shown(window, "car")
-    assert shown(window, "network")
+    assert not layer_items(window, "car")
+    assert layer_items(window, "network")
     assert session.view.camera != held, "it went along"
     assert session.advice.advice.pinned
-    handles = [i for i in shown(window, "marks") if isinstance(i, Handle)]
+    handles = [i for i in layer_items(window, "marks") if isinstance(i, Handle)]
     assert len(handles) == len(sketch.marks)
     assert session.drawing.history.position == steps + 1
 
@@ -296,7 +294,7 @@ def test_a_second_sketch_of_a_finished_car_takes_marks_at_once(
     drop(window, picture_of(SECOND), settle)
     assert session.toolbox.tool == "mark"
     qtbot.waitUntil(lambda: guide(window).isVisible(), timeout=5_000)
-    (body,) = shown(window, "body")
+    (body,) = layer_items(window, "body")
     assert body.opacity < 0.5, "the drawing shows through"
     tap(window, on_canvas(window, (300.0, 300.0)), settle)
     assert len(state(window).sketch.marks) == 1
@@ -334,7 +332,7 @@ def test_a_new_car_begins_without_a_sketch_and_shows_its_templates(window, settl
     session.commands.run("new-car")
     settle(session)
     assert state(window) == CarState()
-    assert shown(window, "body")
+    assert layer_items(window, "body")
     pictures = window.findChild(TemplatePictures)
     assert pictures is not None
     assert pictures.isVisible()
@@ -351,7 +349,7 @@ def test_a_dropped_template_file_begins_a_car_with_it(window, settle, tmp_path):
     drop(window, tmp_path / "wedge.json", settle)
     (model,) = window.session.drawing.document
     assert (state(window).template, json.loads(state(window).own)) == ("own", told)
-    assert shown(window, "body")
+    assert layer_items(window, "body")
     told["insets"]["headlamp"]["kind"] = "fog"
     (tmp_path / "wrong.json").write_text(json.dumps(told), "utf-8")
     notices = []

@@ -17,8 +17,9 @@ from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.ink import Strokes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.scene import Layer, Lines, Scene, Shaded
+from bozzetto_app.workers.channel import Channel
 from tests.app.seen import part
-from tests.app.tablet import circle, stroke_of
+from tests.app.tablet import circle, draw, stroke_of
 from tests.app.troublemaker import MODELER, PLUGIN, UNLUCKY, BoxesState, box
 from tests.app.yardstick import Yardstick
 
@@ -145,11 +146,6 @@ def faults(session):
     return [n for n in session.heard if n.kind in kinds and n.plugin not in well]
 
 
-def draw(session, settle, **more):
-    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
-    settle(session)
-
-
 @pytest.fixture
 def session(make_session, boxes, settle):
     """With a document of one good box, so that there is something to damage."""
@@ -245,7 +241,7 @@ def test_a_misdeed_is_told_and_nothing_else_changes(
     # The next stroke works: with this modeler if it has come to its senses, else another.
     del boxes.misdeeds[what]
     let_go.set()
-    session.solver._channel.time_limit = 60.0
+    session.findChild(Channel, "solve").time_limit = 60.0
     session.toolbox.take_modeler("bozzetto.silhouette")
     settle(session)
     count = len(session.drawing.document)
@@ -315,7 +311,7 @@ def test_a_document_whose_upgrade_fails_does_not_take_the_window_along(
 def test_a_hung_import_does_not_come_between_a_person_and_their_file(
     session, boxes, settle, tmp_path, qtbot, monkeypatch
 ):
-    session.files.exchange._work.time_limit = 60.0
+    session.files.exchange.findChild(Channel).time_limit = 60.0
     boxes.misdeeds["read_drawing"] = sleeps
     ink = Strokes((stroke_of(circle(), session.view.camera),))
     write_drawing(Drawing(ink, session.view.camera), tmp_path / "ink.json")
@@ -382,7 +378,7 @@ def test_a_fault_with_half_a_character_is_kept_on_disk(monkeypatch, tmp_path):
 
     monkeypatch.setattr(startup, "log_file", lambda: tmp_path / "log.txt")
     monkeypatch.setattr(logging, "raiseExceptions", True)
-    handler = startup._DiskLog()
+    handler = startup.DiskLog()
     handler.emit(logging.makeLogRecord({"msg": "boom \udcff", "levelno": 40, "levelname": "ERROR"}))
-    handler._file.close()
+    handler.close()
     assert "boom \\udcff" in (tmp_path / "log.txt").read_text()

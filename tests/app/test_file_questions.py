@@ -124,9 +124,13 @@ def test_a_question_goes_with_the_document_that_it_is_about(
     window.open(paths[1])  # as a file that is dropped, or opened by another program
     qtbot.waitUntil(lambda: window.session.drawing.path == paths[1])
     assert not isValid(first) or not first.isVisible()
-    qtbot.waitUntil(lambda: window.files._box is not None)
-    second = window.files._box
-    assert "b.bozz" in second.text()
+
+    def about_b():
+        boxes = window.findChildren(QMessageBox, "locked")
+        return [box for box in boxes if box.isVisible() and "b.bozz" in box.text()]
+
+    qtbot.waitUntil(lambda: bool(about_b()))
+    (second,) = about_b()
     press(second, "Take over")
     settle(window.session, window.keeper)
     assert theirs[0].is_held

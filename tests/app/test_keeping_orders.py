@@ -9,10 +9,12 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import queue
 import shutil
 import tempfile
 from functools import partial
 from pathlib import Path
+from typing import ClassVar
 from unittest import mock
 
 import pytest
@@ -28,6 +30,9 @@ from hypothesis.stateful import (
 from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.model import Document, Model
+from bozzetto.document.recovery import recovery, recovery_session
+from bozzetto.document.recovery.file_lock import FileLock
+from bozzetto.document.recovery.journal import JournalWriter
 from bozzetto.document.recovery.recovery import RecoveryStore
 from bozzetto.document.waiting_ink import WaitingStroke, strokes_of
 from bozzetto.errors import UserError
@@ -37,7 +42,9 @@ from bozzetto_app.session import autosave as keeping
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.document_model import DocumentModel
+from bozzetto_app.session.drawing_record import DrawingRecord
 from bozzetto_app.session.notices import Notices
+from bozzetto_app.workers.main_thread import install
 from tests.disk_faults import watch
 from tests.document_kit import FakeRegistry, Ink, stroke
 from tests.sizes import sized
@@ -153,6 +160,40 @@ class FakeSession(QObject):
         self.drawing.commit("Draw", document_of([*strokes, *strokes_of(document.waiting), one]))
 
 
+class Record(DrawingRecord):
+    """A record that tells what it has written, and whether it could not."""
+
+    def __init__(self, orders, *asked):
+        super().__init__(*asked)
+        self.orders = orders
+
+    def write(self, now):
+        self.orders.unwritten.add(self)
+        super().write(now)
+        self.orders.unwritten.remove(self)
+        self.orders.on_disk |= frozenset(numbers(now.document))
+
+
+class Lock(FileLock):
+    """A lock that a dead process gives back."""
+
+    taken: ClassVar[list] = []
+
+    def __init__(self, *asked):
+        super().__init__(*asked)
+        self.taken.append(self)
+
+
+class Journal(JournalWriter):
+    """A journal that a dead process closes."""
+
+    open: ClassVar[list] = []
+
+    def __init__(self, *asked):
+        super().__init__(*asked)
+        self.open.append(self)
+
+
 class Orders(RuleBasedStateMachine):
     """All strokes that reached the disk are found until they are saved or given up."""
 
@@ -163,6 +204,9 @@ class Orders(RuleBasedStateMachine):
             mock.patch.object(os, "fsync", return_value=None),
             mock.patch.object(keeping.threading, "Thread", Thread),
             mock.patch.object(keeping, "Channel", Loads),
+            mock.patch.object(keeping, "DrawingRecord", partial(Record, self)),
+            mock.patch.object(recovery, "FileLock", Lock),
+            mock.patch.object(recovery_session, "JournalWriter", Journal),
         ]
         for patch in self.patches:
             patch.start()
@@ -172,8 +216,9 @@ class Orders(RuleBasedStateMachine):
 
     def start(self):
         self.session = FakeSession()
-        self.keeper = Keeper(self.session, self.folder)
-        self.sheets = []
+        self.tasks: queue.Queue = queue.Queue()
+        self.keeper = Keeper(self.session, self.folder, self.tasks)
+        self.unwritten = set()
 
     def sheet(self):
         return frozenset(numbers(self.session.drawing.document))
@@ -181,30 +226,25 @@ class Orders(RuleBasedStateMachine):
     # -- the disk --
 
     def turn(self):
-        task = self.keeper._tasks.get_nowait()
+        task = self.tasks.get_nowait()
         try:
             if task is not None:
                 task()
         except UserError:
             pass
         finally:
-            self.keeper._tasks.task_done()
-        self.sheets = [*{id(s): s for s in (*self.sheets, self.keeper._sheet)}.values()]
-        for sheet in self.sheets:
-            if sheet.written is not None:
-                found = numbers(sheet.written.document)
-                self.on_disk |= frozenset(found)
+            self.tasks.task_done()
 
     def drain(self):
-        while not self.keeper._tasks.empty():
+        while not self.tasks.empty():
             self.turn()
 
-    @precondition(lambda self: not self.keeper._tasks.empty())
+    @precondition(lambda self: not self.tasks.empty())
     @rule()
     def disk_has_a_turn(self):
         self.turn()
 
-    @precondition(lambda self: not self.keeper._tasks.empty())
+    @precondition(lambda self: not self.tasks.empty())
     @rule(number=st.sampled_from([errno.EIO, errno.ENOSPC]), after=st.integers(0, 30))
     def disk_fails(self, number, after):
         left = [after]
@@ -306,15 +346,14 @@ class Orders(RuleBasedStateMachine):
 
     def release_everything(self):
         """The system gives back what a dead process held; its lock files stay."""
-        self.sheets = [*{id(s): s for s in (*self.sheets, self.keeper._sheet)}.values()]
-        owns = [sheet.record._own for sheet in self.sheets if sheet.record._own is not None]
-        locks = [own._lock for own in owns] + list(self.keeper._store._claims.values())
-        for own in owns:
-            own._stop()
-        for lock in locks:
-            if lock._handle >= 0:
-                os.close(lock._handle)
-                lock._handle = -1
+        while Journal.open:
+            Journal.open.pop().close()
+        while Lock.taken:
+            lock = Lock.taken.pop()
+            content = lock.path.read_bytes() if lock.is_held else None
+            lock.release()
+            if content is not None:
+                lock.path.write_bytes(content)
 
     @rule()
     def close(self):
@@ -345,13 +384,29 @@ class Orders(RuleBasedStateMachine):
         self.drain()
         self.keeper.close()
         self.drain()
-        if not self.keeper._unwritten:
+        if not self.unwritten:
             self.on_disk |= self.drawn - self.excused
             self.nothing_is_lost()
         self.release_everything()
         for patch in reversed(self.patches):
             patch.stop()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@pytest.fixture(autouse=True)
+def _window_thread(qapp):
+    install()
+
+
+def test_a_stroke_that_is_written_before_the_save_of_an_earlier_one_is_kept():
+    orders = Orders()
+    orders.draw(waits=False)
+    orders.save()
+    orders.save_ends(works=True)
+    orders.draw(waits=False)
+    orders.close()  # only now does the disk take its turns
+    orders.nothing_is_lost()
+    orders.teardown()
 
 
 def explore(examples):

@@ -16,6 +16,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QFileDialog
 
 from bozzetto_app.panels.history import HistoryPanel
+from tests.app import seen
 from tests.app.tablet import Stylus, circle
 from tests.sizes import FULL
 
@@ -241,12 +242,12 @@ def test_no_key_and_no_entry_of_the_radial_menu_is_silent(put, settle, asked, st
         settle(session)
         if watch.is_silent:
             silent.append(action.id)
-    for index, entry in enumerate(window._radial_entries()):
+    for index, entry in enumerate(window.canvas.menu_entries()):
         window.canvas.open_menu(QPointF(400.0, 300.0))
         QApplication.processEvents()
         watch = Watch(window, asked)
         watch.before = (*watch.before[:11], False, *watch.before[12:])
-        window.canvas.menu._choose(index)
+        QTest.keyClick(window.canvas.menu, Qt.Key(Qt.Key.Key_1 + index))
         settle(session, window.keeper)
         opened = window.canvas.menu.isVisible()
         window.canvas.menu.close_menu()
@@ -269,9 +270,9 @@ def test_whatever_cannot_be_done_says_why_and_what_to_do_first(put, settle, aske
 
 def buttons(window):
     """The buttons around the sheet that can be seen."""
-    for button in window.findChildren(QAbstractButton):
-        if button.isVisible() and button.window() is window:
-            yield button
+    for each in window.findChildren(QAbstractButton):
+        if each.isVisible() and each.window() is window:
+            yield each
 
 
 @pytest.mark.parametrize("state", ["empty", pytest.param("object", marks=pytest.mark.slow)])
@@ -316,7 +317,7 @@ def test_a_step_a_modeler_or_a_view_that_is_there_already_says_so(put, settle, a
     history = window.findChild(HistoryPanel)
     for press in (
         lambda: history.itemClicked.emit(history.item(session.drawing.history.position)),
-        lambda: window.modelers._take(session.toolbox.modeler),
+        lambda: seen.button(window.modelers, seen.chosen(window.modelers)[0]).click(),
         lambda: window.canvas.views.fit(),
         lambda: window.actions_.run("view.shading.clay"),
     ):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bozzetto.plugin.host.switched_off import switched_off
 from bozzetto_app.settings import DISABLED_PLUGINS, disabled_plugins, settings
+from tests.app.seen import names
 from tests.app.tablet import circle, stroke_of
 
 
@@ -36,9 +37,11 @@ def test_a_modeler_that_is_switched_off_leaves_the_hand(make_window, settle):
     assert [layer.name for layer in session.scene.visible.layers] == [
         layer.name for layer in scene.layers
     ]
-    assert "bozzetto.silhouette" not in window.modelers._buttons
+    assert other.title in names(window.modelers)
+    assert "Silhouette" not in names(window.modelers)
     switch(window, plugin, True)
-    assert "bozzetto.silhouette" in window.modelers._buttons
+    settle(session, window.keeper)
+    assert "Silhouette" in names(window.modelers)
     assert session.toolbox.modeler == other.id
 
 

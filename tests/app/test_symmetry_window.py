@@ -12,6 +12,8 @@ from PySide6.QtWidgets import QApplication, QLabel
 
 from bozzetto.scene.display_list import Handle, Lines, Shaded
 from bozzetto.view.navigation import turn
+from bozzetto_app.panels.properties.report import Figures
+from tests.app.seen import layer_items, state, words
 from tests.app.tablet import Stylus
 from tests.app.test_responsiveness import GENEROUS, Pulse
 
@@ -57,17 +59,8 @@ def pair(window, draw):
     return window
 
 
-def state(window):
-    return window.session.selection.model.state
-
-
 def report(window, number=-1):
     return window.session.solver.report["curves"][number]
-
-
-def shown(window, name):
-    scene = window.session.scene.visible.under(window.session.scene.live)
-    return [i for layer in scene.layers if layer.name == name for i in layer.items]
 
 
 def press(window, keys, settle, modifier=Qt.KeyboardModifier.NoModifier):
@@ -93,7 +86,7 @@ def test_an_empty_sheet_leads_to_the_first_stroke(make_window, settle):
     window.resize(1024, 700)
     settle(session)
     assert "mirror image" in window.canvas.empty_hint.text, "what this modeler wants"
-    (edges,) = [i for i in shown(window, "box") if isinstance(i, Lines)]
+    (edges,) = [i for i in layer_items(window, "box") if isinstance(i, Lines)]
     assert edges.points[:, 2].min() == 0.0, "it stands on the ground"
     assert len(session.drawing.document) == 0
     assert light.advice.level == "good", "a new sheet is seen from where one draws best"
@@ -122,12 +115,12 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     assert "draw its mirror image" in session.hints.step.sentence.lower()
     # It grows while the second side is drawn.
     stylus, _ = draw(window, (RAIL * MIRROR)[:110], lift=False)
-    qtbot.waitUntil(lambda: len(shown(window, "heat")) == 2, timeout=5000)
+    qtbot.waitUntil(lambda: len(layer_items(window, "heat")) == 2, timeout=5000)
     qtbot.wait(50)
-    near, far = shown(window, "heat")
+    near, far = layer_items(window, "heat")
     assert np.median(away(near.points, RAIL)) < 2.0
     assert np.allclose(far.points, near.points * MIRROR, atol=1e-3)
-    (rungs,) = shown(window, "ghost")
+    (rungs,) = layer_items(window, "ghost")
     ends = rungs.points.reshape(-1, 2, 3)
     assert np.allclose(ends[:, 0] * MIRROR, ends[:, 1], atol=1e-3)
     for place in session.view.camera.project((RAIL * MIRROR)[110:])[0]:
@@ -137,7 +130,7 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     # It is one curve with its image.
     assert report(window)["reading"] == "pair"
     assert np.median(away(report(window)["points"], RAIL)) < 0.5
-    near, far = shown(window, "curves")
+    near, far = layer_items(window, "curves")
     assert np.allclose(far.points, near.points * MIRROR, atol=1e-3)
     assert session.hints.step.sentence.startswith("Left and right belong together.")
     # Taken back, each in its turn, and what is expected with it.
@@ -151,7 +144,7 @@ def test_both_sides_become_a_curve_in_space(window, draw, settle, qtbot):
     session.drawing.redo()
     session.drawing.redo()
     settle(session)
-    planes = [i for i in shown(window, "plane") if isinstance(i, Shaded)]
+    planes = [i for i in layer_items(window, "plane") if isinstance(i, Shaded)]
     assert len(planes) == 1, "no second, empty box"
     session.toolbox.take_tool("draw")
     draw(window, ACROSS)
@@ -232,7 +225,9 @@ def test_a_face_of_the_box_is_dragged(pair, settle):
     session = pair.session
     session.toolbox.take_tool("box")
     settle(session)
-    (held,) = [i for i in shown(pair, "box handles") if isinstance(i, Handle) and i.id == "x+"]
+    (held,) = [
+        i for i in layer_items(pair, "box handles") if isinstance(i, Handle) and i.id == "x+"
+    ]
     ends, _ = session.view.camera.project([held.point, np.add(held.point, (40.0, 0.0, 0.0))])
     Stylus(pair.canvas).draw(ends[0] + np.linspace(0.0, 1.0, 20)[:, None] * (ends[1] - ends[0]))
     settle(session, pair.keeper)
@@ -251,18 +246,16 @@ def test_curves_stand_in_the_list_and_the_chosen_one_in_the_form(pair, draw, set
     for part, name, other in (("n1", "Curve 1", "Curve 2"), ("n2", "Curve 2", "Curve 1")):
         session.parts.select(session.selection.id, part)
         settle(session)
-        words = [
-            w.text() for w in pair.docks.parameters._figures.findChildren(QLabel) if w.isVisible()
-        ]
-        assert name in words
-        assert other not in words
-        assert "Read as" in words
+        said = words(pair.docks.parameters.findChild(Figures))
+        assert name in said
+        assert other not in said
+        assert "Read as" in said
     page = pair.docks.parameters.widget()
     assert page.width() <= pair.docks.parameters.viewport().width(), "nothing is cut off"
-    lines = len(shown(pair, "curves"))
+    lines = len(layer_items(pair, "curves"))
     session.parts.set_visible(session.selection.id, "n1", False)
     settle(session)
-    assert len(shown(pair, "curves")) == lines - 2
+    assert len(layer_items(pair, "curves")) == lines - 2
 
 
 def test_a_drawing_is_saved_comes_back_and_is_handed_over(pair, settle, tmp_path):

@@ -24,6 +24,7 @@ from tests.app.test_car_window import (
     mark,
     near_first,
     picture_of,
+    rest,
     state,
 )
 
@@ -57,11 +58,6 @@ def choose(window, number, settle):
     window.canvas.views.turn_to_better()
     rest(window, settle)
     assert session.advice.advice.pinned
-
-
-def rest(window, settle):
-    for _ in range(3):
-        settle(window.session, window.keeper)
 
 
 def owners(window, name):

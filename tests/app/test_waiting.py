@@ -15,6 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.view.camera import Camera
 from bozzetto_app.session.gesture_application import ink_to_try
+from tests.app.seen import colour, darkness
 from tests.app.tablet import Mouse, Stylus, circle, stroke_of
 from tests.app.two_boxes import FIRST, PLACE, REFUSAL, SECOND, two_boxes
 
@@ -309,9 +310,9 @@ def test_esc_with_an_idle_hand_takes_waiting_ink_back_and_undo_brings_it_again(
     pair[0].mood = "refuse"
     session.gestures.commit()
     settle(session)
-    assert window.canvas.overlay.lit_places == (PLACE,)
+    assert window.canvas.overlay.lit.places == (PLACE,)
     QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
-    assert window.canvas.overlay.lit_places == ()
+    assert window.canvas.overlay.lit.places == ()
 
 
 def test_the_eraser_takes_waiting_strokes_one_by_one_and_undo_brings_them_again(
@@ -372,17 +373,22 @@ def test_a_tool_that_did_not_mark_it_shows_ink_without_a_halo(make_window, pair,
     Stylus(window.canvas).draw(circle())
     settle(session)
 
-    def lit():
-        return [line.is_lit for line in window.canvas.overlay._marked]
+    overlay = window.canvas.overlay
 
-    assert lit() == [True]
+    def has_halo():
+        """The halo has a colour; the ink itself has none, and is always there."""
+        overlay.light_up(())
+        assert darkness(overlay).max() > 0.2
+        return (colour(overlay) > 0.05).sum() > 500
+
+    assert has_halo()
     session.toolbox.take_tool("trace")
-    assert lit() == [False]
+    assert not has_halo()
     session.toolbox.take_tool("draw")
-    assert lit() == [True]
+    assert has_halo()
     session.toolbox.take_modeler(SECOND)
     settle(session)
-    assert lit() == [False]
+    assert not has_halo()
     assert session.scene.live.layers == ()
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QLabel
 
 from bozzetto.scene.display_list import Image
 from bozzetto_app.dialogs.thumbnails import thumbnail_of
+from tests.app.seen import darkness, words
 
 pytestmark = pytest.mark.slow
 
@@ -36,7 +36,7 @@ def test_a_drawing_is_watched_on_a_free_sheet_with_its_ink(window, qtbot, settle
     assert (drawn <= session.view.camera.viewport).all()
     qtbot.waitUntil(lambda: bool(session.drawing.document.models), timeout=30_000)
     settle(session)
-    assert canvas.overlay._pending_ink == []
+    assert not darkness(canvas.overlay).any()
 
 
 def test_a_picture_to_trace_stands_on_the_ground(window, tmp_path, settle):
@@ -76,13 +76,13 @@ def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
 
 
 def test_the_parameters_of_a_mesh_that_was_brought_in_say_how_it_is_read(window, tmp_path, settle):
-    assert "Draw or choose" in window.docks.parameters._empty.text()
+    def asks_to_draw():
+        return any("Draw or choose" in said for said in words(window.docks.parameters))
+
+    assert asks_to_draw()
     (tmp_path / "one.obj").write_text("v 0 0 0\nv 50 0 0\nv 0 0 50\nf 1 2 3\n")
     window.session.files.exchange.import_file(tmp_path / "one.obj")
     settle(window.session)
     assert window.session.selection.id is not None
-    assert not window.docks.parameters._empty.isVisible()
-    words = [
-        label.text() for label in window.docks.parameters.findChildren(QLabel) if label.isVisible()
-    ]
-    assert {"Up in the file", "Unit of the file"} <= set(words)
+    assert not asks_to_draw()
+    assert {"Up in the file", "Unit of the file"} <= set(words(window.docks.parameters))

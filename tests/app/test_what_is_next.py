@@ -15,6 +15,7 @@ from bozzetto.plugin.gesture import Tap
 from bozzetto.view.navigation import turn
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.widgets.number_field import NumberField
+from tests.app.seen import buttons, part
 from tests.app.tablet import Stylus, stroke_of
 
 GALLERY = Path(__file__).parents[2] / "docs" / "gallery" / "car"
@@ -43,8 +44,8 @@ def check(window):
     session, canvas = window.session, window.canvas
     step, advice = session.hints.step, session.advice.advice
     assert step.sentence
-    if window.status._sign.kind == "hint":
-        assert window.status._words.text() == step.sentence
+    if part(window, "status-sign").accessibleName() == "Next step":
+        assert part(window, "status-words").text() == step.sentence
     if canvas.empty_hint.is_read:
         assert canvas.empty_hint.text == step.sentence
     elif advice is not None and advice.level == "good" and advice.better is None:
@@ -62,7 +63,7 @@ def check(window):
                 break
             QTest.qWait(20)
         assert of_point or panel.text() == step.sentence
-    front = [button for button in rail(window)._buttons if button.is_next]
+    front = [button for button in buttons(rail(window)) if getattr(button, "is_next", False)]
     pointed = {step.tool for button in front if step.tool in button.behind}
     assert len(front) == len(pointed)
     assert pointed == {step.tool} - {"", tool}
@@ -184,8 +185,8 @@ def test_after_a_second_sketch_the_first_mark_of_it_is_asked_for_everywhere(wind
     settle(session, window.keeper)
     check(window)
     assert session.hints.step.tool == "mark"
-    assert "6 more marks" in window.status._words.text()
-    (button,) = [each for each in rail(window)._buttons if each.is_next]
+    assert "6 more marks" in part(window, "status-words").text()
+    (button,) = [each for each in buttons(rail(window)) if getattr(each, "is_next", False)]
     assert button.tool.id == "mark"
     assert button.accessibleDescription() == session.hints.step.sentence
 
@@ -275,7 +276,7 @@ def test_a_touch_with_the_pen_says_what_is_missing_where_a_stroke_is_next(window
     stylus = Stylus(window.canvas)
     stylus.press((400.0, 300.0))
     stylus.lift((400.0, 300.0))
-    assert "too short" in window.status._words.text()
+    assert "too short" in part(window, "status-words").text()
     assert len(session.drawing.document) == 0
 
 
@@ -290,7 +291,7 @@ def test_a_drawing_tool_that_takes_touches_gets_them(window, settle, modeler, to
     stylus.press((400.0, 300.0))
     stylus.lift((400.0, 300.0))
     settle(session)
-    said = window.status._words.text()
+    said = part(window, "status-words").text()
     assert "too short" not in said
     assert "There is no" in said
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import random
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest import mock
 
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.atomic_files import Over
 from bozzetto.document.recovery.recovery import RecoveryStore
+from bozzetto.plugin.guard import guard
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.session import Session
 from tests.app.tablet import circle, stroke_of
 from tests.app.two_boxes import MODELERS, TOOLS, two_boxes
+from tests.dead_process import left_behind
+from tests.document_kit import documents_of
 
 __all__ = ["ACTS", "MOODS", "Life", "life_in", "random_act"]
 
@@ -58,14 +63,9 @@ class Life:
         self.session.toolbox.take_modeler(MODELERS[0])
         self.settle()
         self.lifted = set()
-        self.forgive()
-
-    def forgive(self):
-        """Faults are counted; a plugin that is off would refuse all that follows."""
-        self.registry.guard._faults.clear()
 
     def snapshots(self):
-        return [step.document for step in self.session.drawing.history._steps]
+        return documents_of(self.session.drawing.history)
 
     def check(self):
         reachable = set().union(*map(strokes_in, self.snapshots()))
@@ -79,7 +79,6 @@ class Life:
     def do(self, what, *details):
         getattr(self, what)(*details)
         self.check()
-        self.forgive()
 
     def mood(self, mood):
         for modeler in self.modelers:
@@ -177,18 +176,15 @@ class Life:
     def crash_and_recover(self, _):
         self.settle()
         before = self.session.drawing.document
-        record = self.keeper._sheet.record
-        if not self.session.drawing.is_modified or record._own is None:
+        if not self.session.drawing.is_modified:
             return
-        left = record._own.folder.name
-        record._own.set_aside()
-        record._own = None
-        self.session.files.given_up.emit()  # what the crash left is all that there is
+        with left_behind(self.folder / "recovery") as left:
+            self.session.files.given_up.emit()  # what the crash left is all that there is
+            self.session.files.new()
+            self.settle()
         # Drawings that left the sheet without an answer lie there as well.
         sessions = RecoveryStore(self.folder / "recovery").crashed_sessions()
-        (crashed,) = (one for one in sessions if one.id == left)
-        self.session.files.new()
-        self.settle()
+        (crashed,) = (one for one in sessions if [one.id] == left)
         self.keeper.recover(crashed)
         self.settle()
         self.comes_back(before, self.session.drawing.document)
@@ -230,7 +226,11 @@ def strokes_in(document):
 @contextmanager
 def life_in(folder: Path) -> Iterator[Life]:
     """A life that keeps its files in a folder."""
-    with two_boxes(folder) as (first, second, packages):
+    # Faults are counted; a plugin that is off would refuse all that follows.
+    with (
+        two_boxes(folder) as (first, second, packages),
+        mock.patch.object(guard, "MOST_FAULTS", math.inf),
+    ):
         life = Life(folder, (first, second), packages)
         yield life
         life.settle()

@@ -16,8 +16,8 @@ from bozzetto_symmetry.editing.oversketch import oversketch
 from bozzetto_symmetry.fitting.bundle_adjustment import Sight, adjust_bundle
 from bozzetto_symmetry.ink.sides import sides_of
 from bozzetto_symmetry.interpretation.folding import foldings
-from bozzetto_symmetry.interpretation.reader import read
 from bozzetto_symmetry.interpretation.side_pairing import pairings
+from bozzetto_symmetry.interpretation.side_reading import read
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.solve.curve_solver import trace_of

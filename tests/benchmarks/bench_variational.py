@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bozzetto_silhouette.implicit.interpolation_constraints import Fit, fitted
 from bozzetto_silhouette.inflation.solidify import solidify
-from bozzetto_silhouette.inflation.variational import VariationalHeights
+from bozzetto_silhouette.inflation.variational_relief import VariationalHeights
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.outline.outline import Outline
 from tests.benchmarks.timing import Row, median_ms, processor_ms

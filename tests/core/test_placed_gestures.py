@@ -91,7 +91,7 @@ def test_ink_on_another_object_is_laid_on_its_surface(moved):
     moved.set(width=60.0)
     moved.draw(Pen(moved.camera).along([(300, 450), (900, 450)]))
     (surface,) = moved.shapes().surfaces
-    moved._model_id = first.id
+    moved.choose(first.id)
     moved.draw(Pen(moved.camera).along([(600, 450), (610, 450), (620, 470)]))
     start = lines_of(moved.scene())[0][0]
     assert np.linalg.norm(surface.mesh.vertices - start, axis=1).min() < 30.0

@@ -121,5 +121,4 @@ def fault_of(content: bytes) -> tuple[str, Any]:
     try:
         return use(content), None
     except PluginFault as fault:
-        bench().registry.guard._faults.clear()
         return "fault", fault

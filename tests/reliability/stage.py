@@ -96,8 +96,7 @@ class Stage:
         old, self.window = self.window, Window(Session(Registry()), self.recovery)
         if old is not None:
             if old.isVisible():
-                old._closing = True
-                old.close()
+                old.close_without_asking()
             old.deleteLater()
             old.session.deleteLater()
         self.window.show()

@@ -70,9 +70,9 @@ def rows(share: float, seed: int = 0) -> Iterator[Row]:
         Of the first batch of mutated files; those after it follow.
     """
     workers = os.cpu_count() or 1
-    yield _mutated_row(round(MUTATED * share), workers, seed)
-    yield _models_row(max(20, round(MODELS * share)), workers)
-    yield from _hostile_rows(max(64_000, round(LARGEST * share)))
+    yield mutated_row(round(MUTATED * share), workers, seed)
+    yield models_row(max(20, round(MODELS * share)), workers)
+    yield from hostile_rows(max(64_000, round(LARGEST * share)))
 
 
 # -- work in forked processes ----------------------------------------------------------------------
@@ -146,7 +146,7 @@ def read_mutated(count: int, seed: int, reached: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _mutated_row(count: int, workers: int, first: int = 0) -> Row:
+def mutated_row(count: int, workers: int, first: int = 0) -> Row:
     sizes = [min(BATCH, count - done) for done in range(0, count, BATCH)]
     reached = [multiprocessing.RawValue("q") for _ in sizes]
     batches = list(zip(sizes, range(first, first + len(sizes)), reached, strict=True))
@@ -187,14 +187,13 @@ def use_mutated(count: int, seed: int) -> dict[str, Any]:
             tally[mutated_models.use(content)] += 1
         except Exception as problem:
             tally["failed"] += 1
-            mutated_models.bench().registry.guard._faults.clear()
             if len(failures) < 5:
                 fault = isinstance(problem, PluginFault)
                 failures.append(problem.details if fault else traceback.format_exc())
     return {"tally": dict(tally), "failures": failures}
 
 
-def _models_row(count: int, workers: int) -> Row:
+def models_row(count: int, workers: int) -> Row:
     each = max(1, count // workers)
     found = _in_forks(use_mutated, [(each, seed) for seed in range(workers)])
     total: Counter[str] = Counter()
@@ -230,7 +229,7 @@ def read_hostile(path: Path) -> dict[str, Any]:
         said = f"failed: {type(problem).__name__}: {problem}"
     pause, asked = watch.stopped()
     own = time.process_time() - spent - watch.spent
-    reading_process._end_idle()
+    reading_process.end_idle()
     child = resource.getrusage(resource.RUSAGE_CHILDREN)
     return {
         "bytes": path.stat().st_size,
@@ -292,7 +291,7 @@ class _Watch:
         return self.longest, self.largest
 
 
-def _hostile_rows(size: int) -> Iterator[Row]:
+def hostile_rows(size: int) -> Iterator[Row]:
     for ending in dict.fromkeys(family.ending for family in FAMILIES):
         found: list[dict[str, Any]] = []
         for family in families(ending):

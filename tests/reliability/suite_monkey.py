@@ -39,7 +39,7 @@ def rows(share: float) -> Iterator[Row]:
         if not is_possible(platform):
             yield Row(f"{platform}: no X server here", "left out")
             continue
-        lengths = _lengths(share)
+        lengths = lengths_of(share)
         outcomes = [
             play(
                 "monkey",
@@ -50,17 +50,17 @@ def rows(share: float) -> Iterator[Row]:
             )
             for seed, actions in enumerate(lengths, 1)
         ]
-        yield from _told(platform, lengths, outcomes)
+        yield from rows_of(platform, lengths, outcomes)
 
 
-def _lengths(share: float) -> list[int]:
+def lengths_of(share: float) -> list[int]:
     """How many actions each seed gets."""
     total = max(LEAST, round(share * SEEDS * ACTIONS))
     full, rest = divmod(total, ACTIONS)
     return [ACTIONS] * full + ([rest] if rest else [])
 
 
-def _told(platform: str, lengths: Sequence[int], outcomes: Sequence[Outcome]) -> Iterator[Row]:
+def rows_of(platform: str, lengths: Sequence[int], outcomes: Sequence[Outcome]) -> Iterator[Row]:
     what = f"{platform}, {len(lengths)} seeds, {sum(lengths)} actions"
     died = [f"{one.name} at {one.last}" for one in outcomes if one.result is None]
     yield _counted(f"{what}: crashes", died)

@@ -36,10 +36,10 @@ def rows(share: float) -> Iterator[Row]:
     for platform in platforms:
         arguments = ("--seconds", f"{seconds:g}")
         outcome = play("soak", arguments, platform, seconds + GRACE, platform)
-        yield from _told(platform, seconds, outcome)
+        yield from rows_of(platform, seconds, outcome)
 
 
-def _told(platform: str, seconds: float, outcome: Outcome) -> Iterator[Row]:
+def rows_of(platform: str, seconds: float, outcome: Outcome) -> Iterator[Row]:
     figures = outcome.figures(0)
     what = f"{platform}, {seconds / 60:.1f} minutes"
     whole = outcome.result is not None and len(figures) > 1

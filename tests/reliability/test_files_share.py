@@ -19,16 +19,16 @@ HOSTILE_BYTES = 400_000
 
 
 def test_mutated_files_are_read_or_refused():
-    from tests.reliability.suite_files import _mutated_row
+    from tests.reliability.suite_files import mutated_row
 
-    row = _mutated_row(MUTATED, 2)
+    row = mutated_row(MUTATED, 2)
     assert row.kept, row
 
 
 def test_mutated_documents_that_load_can_be_used():
-    from tests.reliability.suite_files import _models_row
+    from tests.reliability.suite_files import models_row
 
-    row = _models_row(MODELS, 2)
+    row = models_row(MODELS, 2)
     assert row.kept, row
 
 
@@ -41,6 +41,6 @@ def test_hostile_files_keep_to_the_budget():
 
 
 def _hostile_files_lost(size):
-    from tests.reliability.suite_files import _hostile_rows
+    from tests.reliability.suite_files import hostile_rows
 
-    return [row for row in _hostile_rows(size) if not row.kept]
+    return [row for row in hostile_rows(size) if not row.kept]

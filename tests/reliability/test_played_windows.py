@@ -22,18 +22,18 @@ def test_a_monkey_for_a_moment() -> None:
 @pytest.mark.slow
 def test_a_day_for_a_moment() -> None:
     outcome = play("soak", ("--seconds", "5"), "offscreen", 300.0, "offscreen")
-    kept(suite_soak._told("offscreen", 5.0, outcome))
+    kept(suite_soak.rows_of("offscreen", 5.0, outcome))
 
 
 def test_shares_of_the_actions() -> None:
-    assert suite_monkey._lengths(1.0) == [5000] * 20
-    assert suite_monkey._lengths(0.051) == [5000, 100]
-    assert suite_monkey._lengths(1e-9) == [suite_monkey.LEAST]
+    assert suite_monkey.lengths_of(1.0) == [5000] * 20
+    assert suite_monkey.lengths_of(0.051) == [5000, 100]
+    assert suite_monkey.lengths_of(1e-9) == [suite_monkey.LEAST]
 
 
 def test_a_run_that_died_breaks_the_promise() -> None:
     gone = Outcome("xcb seed 3", None, "1290 pen_stroke", "Segmentation fault")
-    first, *others = suite_monkey._told("xcb", [5000], [gone])
+    first, *others = suite_monkey.rows_of("xcb", [5000], [gone])
     assert not first.kept
     assert "xcb seed 3 at 1290 pen_stroke" in first.figure
     assert all(row.kept for row in others)
@@ -45,7 +45,7 @@ def test_a_fault_is_named_so_that_it_can_be_played_again() -> None:
         {"kind": "qt", "action": 2, "text": ""},
     ]
     seen = Outcome("offscreen seed 1", {"problems": problems, "figures": []}, "60", "")
-    rows = list(suite_monkey._told("offscreen", [60], [seen]))
+    rows = list(suite_monkey.rows_of("offscreen", [60], [seen]))
     assert [row.kept for row in rows] == [True, False, True]
     assert "offscreen seed 1 at 17" in rows[1].figure
 
@@ -56,7 +56,7 @@ def test_memory_that_grows_breaks_the_promise() -> None:
         for k in range(1, 11)
     ]
     seen = Outcome("offscreen seed 1", {"problems": [], "figures": figures}, "5000", "")
-    rows = {row.what: row.kept for row in suite_monkey._told("offscreen", [5000], [seen])}
+    rows = {row.what: row.kept for row in suite_monkey.rows_of("offscreen", [5000], [seen])}
     assert not rows["offscreen: memory after the first 1000 actions"]
     assert not rows["offscreen: runs in which widgets grow"]
     assert rows["offscreen: runs in which threads grow"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import logging
 import os
@@ -20,6 +19,7 @@ from PySide6.QtCore import QEvent, QMessageLogContext, QtMsgType, qInstallMessag
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.native_heap import give_back
+from bozzetto.plugin.guard.watchdog import stack_of
 
 __all__ = ["Figures", "Problem", "Watch", "figures_now"]
 
@@ -152,7 +152,8 @@ class Watch:
         )
         qInstallMessageHandler(self._qt_said)
         logging.getLogger().addHandler(_Listener(self))
-        self._window_thread = threading.get_ident()
+        self._window_thread = threading.current_thread()
+        self._window_ident = threading.get_ident()
         self.beat()
         threading.Thread(target=self._look, name="watch", daemon=True).start()
 
@@ -206,14 +207,14 @@ class Watch:
             self.longest = max(self.longest, waited)
             if waited > HANG and not told:
                 told = True
-                self.note("hang", f"{_stack(self._window_thread)}hang of more than {HANG:g} s")
+                self.note("hang", f"{stack_of(self._window_thread)}hang of more than {HANG:g} s")
             if waited > LONGEST:
                 self.note("hang", f"{_stacks()}\ngiven up after {LONGEST:g} s")
                 os._exit(GIVEN_UP)
 
     def _window_time(self) -> float:
         """Processor time of the window's thread, seconds."""
-        return time.clock_gettime(time.pthread_getcpuclockid(self._window_thread))
+        return time.clock_gettime(time.pthread_getcpuclockid(self._window_ident))
 
 
 class _Listener(logging.Handler):
@@ -231,15 +232,5 @@ class _Listener(logging.Handler):
         self._watch.note(kind, text)
 
 
-def _stack(ident: int) -> str:
-    with contextlib.suppress(KeyError):
-        return "".join(traceback.format_stack(sys._current_frames()[ident]))
-    return ""
-
-
 def _stacks() -> str:
-    names = {thread.ident: thread.name for thread in threading.enumerate()}
-    return "\n".join(
-        f"{names.get(ident)}:\n{''.join(traceback.format_stack(frame))}"
-        for ident, frame in sys._current_frames().items()
-    )
+    return "\n".join(f"{thread.name}:\n{stack_of(thread)}" for thread in threading.enumerate())

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bozzetto_app.__main__ import PLAIN, _parser
+from bozzetto_app.__main__ import PLAIN, make_parser
 
 SLOW = {"scipy", "skimage", "manifold3d", "shapely", "pyqtgraph", "OpenGL"}
 QT = {"PySide6", "shiboken6"}
@@ -154,7 +154,7 @@ def test_the_command_line_does_without_qt_and_plugin_code(
 
 
 def test_no_arguments_mean_what_the_parser_says():
-    assert PLAIN == _parser().parse_args([])
+    assert PLAIN == make_parser().parse_args([])
 
 
 def test_opening_the_window_imports_no_slow_library(tmp_path: Path) -> None:

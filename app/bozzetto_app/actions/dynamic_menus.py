@@ -151,7 +151,7 @@ class ChangingMenus(QObject):
             free = key and taken is None and key not in RESERVED
             tip = command.help
             if key and not free:
-                tip += " " + tr("Object", "Its key {key} is taken here.", key=key)
+                tip += " " + tr("Object", "Another command has its key, {key}.", key=key)
             if free:
                 own[key] = command.title
             yield Action(

@@ -1,4 +1,4 @@
-"""What a person can ask the window to do: one list, from which menus and keys are made."""
+"""Actions of the window: one list, from which menus and keys are made."""
 
 from __future__ import annotations
 
@@ -101,7 +101,12 @@ def number_keys(window: Window) -> Iterator[Action]:
             return tr("Tool", "Choose a modeler at the top right first.")
         title = session.registry.info(session.toolbox.modeler).title
         count = len(session.toolbox.groups)
-        return tr("Tool", "{title} has keys up to {count}.", title=title, count=count)
+        return tr(
+            "Tool",
+            "{title} has fewer tools: their keys are 1 to {count}.",
+            title=title,
+            count=count,
+        )
 
     for number, key in enumerate(TOOL_KEYS, 1):
         yield Action(

@@ -90,7 +90,7 @@ def view_commands(window: Window) -> Iterator[Action]:
         "plus",
         (),
         (*menu, tr("View", "&Kept views")),
-        tip=tr("View", "With the document, under a name"),
+        tip=tr("View", "Keeps this view with the document, under a name"),
     )
     yield Action(
         "view.better",
@@ -101,7 +101,7 @@ def view_commands(window: Window) -> Iterator[Action]:
         menu,
         enabled=lambda: canvas.views.better_view is not None,
         why_not=lambda: tr("View", "No better view is known: this one will do."),
-        tip=tr("View", "Where the light above the sheet points"),
+        tip=tr("View", "To the view that the light above the sheet suggests"),
     )
     shadings: dict[str, str] = {
         "clay": tr("View", "Clay"),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from bozzetto.view.camera import Camera
     from bozzetto_app.session.session import Session
 
-__all__ = ["ViewMotion"]
+__all__ = ["FRAME", "ViewMotion"]
 
 VIEW_TIME: Final = 0.18
 """Length of a change of view, seconds."""

@@ -26,7 +26,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from bozzetto.errors import UserError
 from bozzetto.ink.checked_points import is_seen
 from bozzetto.scene.display_list import EMPTY, Scene, Shaded
-from bozzetto_app.canvas.animation import ViewMotion
+from bozzetto_app.canvas.animation import FRAME, ViewMotion
 from bozzetto_app.canvas.ink_on_sheet import InkOnSheet
 from bozzetto_app.canvas.input.controller import Hand
 from bozzetto_app.canvas.input.drag_and_drop import carries_something, take
@@ -253,7 +253,7 @@ class Canvas(QWidget):
         self.thickness_scale.lie_on(self.rect(), left)
 
     def describe_viewport(self) -> str:
-        """Who draws, for the About dialog."""
+        """Return the name of the renderer, for the About dialog."""
         return self.viewports.current.describe()
 
     def grab_picture(self) -> QImage:
@@ -266,8 +266,8 @@ class Canvas(QWidget):
         """Tilt the first shape to show that it is one, once the view has gone to where it is."""
         if self._session.advice.holds_eye(self._session.view.camera) or self._pictured == model_id:
             return
-        if self._session.scene.busy:
-            QTimer.singleShot(0, self, lambda: self._settled(model_id))
+        if self._session.scene.busy or self._session.advice.may_follow:
+            QTimer.singleShot(FRAME, self, lambda: self._settled(model_id))
             return
         idle = self.hand.machine.mode is Mode.IDLE and not self.motion.is_running
         if self._tilts and not self._tilted and idle and not self._is_of_lines(model_id):

@@ -167,19 +167,18 @@ class Framing(QObject):
         if not len(points):
             return
         advice = session.advice.advice
-        hidden = not len(session.scene.visible.under(session.scene.advice).points())
         fresh = self._is_fresh
         if fresh and not self._steps:
             return
         covered = session.view.covered if fresh else 0  # what lies over an empty sheet goes
         if fresh and advice is not None and not session.advice.is_about(session.view.camera):
             return  # it is about the sheet before, and another is on its way
-        asks = self._steps == STEPS if fresh else hidden
-        if asks and advice is not None and advice.better is not None:
+        better = None if advice is None else advice.better
+        if better is not None and (self._steps == STEPS if fresh else self._hides_all()):
             # A sketch is seen from where it was drawn, and from nowhere else; on a new sheet the
             # modeler knows from where one draws best.
             self._steps -= fresh
-            self._show(advice.better.with_viewport(*session.view.camera.viewport))
+            self._show(better.with_viewport(*session.view.camera.viewport))
         elif self._must_fit or not is_in_view(session.view.camera, points, self._share, covered):
             self._steps -= fresh
             self._show(framed(session.view.camera, points, covered))
@@ -187,6 +186,11 @@ class Framing(QObject):
             return
         self._must_fit = False
         self._share = 1.0
+
+    def _hides_all(self) -> bool:
+        """Whether a modeler hides everything in views other than its own."""
+        scene = self._session.scene
+        return not len(scene.visible.under(scene.advice).points())
 
     @property
     def _is_fresh(self) -> bool:

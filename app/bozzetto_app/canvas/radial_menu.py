@@ -59,7 +59,7 @@ WRAPPED: Final = Qt.AlignmentFlag.AlignHCenter | Qt.TextFlag.TextWordWrap
 
 
 class MenuEntry(Protocol):
-    """What the menu shows: an action of the program."""
+    """Entry of the menu: an action of the program."""
 
     @property
     def title(self) -> str:
@@ -254,7 +254,7 @@ class RadialMenu(QWidget):
         usable = entry.enabled
         painter.setPen(QPen(qcolor(tones.accent_fill if hot and usable else tones.hairline), 1.0))
         painter.setBrush(qcolor(tones.accent_fill if hot and usable else tones.raised))
-        painter.drawPath(_sector_path(middle, index, len(self._entries)))
+        painter.drawPath(sector_path(middle, index, len(self._entries)))
         centre = sector_centre(middle, index, len(self._entries))
         color = tones.on_accent if hot and usable else tones.text if usable else tones.disabled
         font = small_font(self.font())
@@ -262,7 +262,7 @@ class RadialMenu(QWidget):
         painter.setPen(qcolor(color))
         icon = entry.icon
         has_icon = icon is not None and not icon.isNull()
-        sector = _sector_path(middle, index, len(self._entries))
+        sector = sector_path(middle, index, len(self._entries))
         places = entry_places(sector, centre, font, entry.title, has_icon=has_icon)
         if has_icon:
             tinted = _tinted(icon, color, self.devicePixelRatioF())
@@ -337,7 +337,7 @@ def _tinted(icon: QIcon, color: Color, scale: float) -> QPixmap:
     return picture
 
 
-def _sector_path(middle: QPointF, index: int, count: int) -> QPainterPath:
+def sector_path(middle: QPointF, index: int, count: int) -> QPainterPath:
     """One piece of the ring, with an even gap to its neighbours."""
     span = 360.0 / count
     path = QPainterPath()

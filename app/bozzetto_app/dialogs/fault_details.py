@@ -12,7 +12,7 @@ __all__ = ["FaultDetails"]
 
 
 class FaultDetails(Page):
-    """What happened in one sentence, and the traceback with a button that copies it.
+    """Dialog with a fault in one sentence, and its traceback with a button that copies it.
 
     Parameters
     ----------

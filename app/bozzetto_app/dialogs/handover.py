@@ -200,7 +200,7 @@ class HandoverDialog(Page):
 
     @property
     def handover(self) -> Handover:
-        """What the controls say."""
+        """Choices that the controls show."""
         unit, up, lines = (
             one.value if one.isEnabled() else "" for one in (self.unit, self.up, self.lines)
         )
@@ -281,7 +281,7 @@ class HandoverDialog(Page):
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
         if seen.warnings and self.is_scrolled:
-            below = tr("Handover", "What to heed stands below the switches.")
+            below = tr("Handover", "The warnings stand below the switches.")
             self.state.setText(f"{self.state.text()}\n{below}")
         self.go.setEnabled(True)
 

@@ -1,4 +1,4 @@
-"""What hinders a save, in words: somebody else's document, or a file that was changed."""
+"""Words about what hinders a save: somebody else's document, or a file that was changed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the command palette can find: commands, tools, parameters, objects, documents."""
+"""Entries of the command palette: commands, tools, parameters, objects, documents."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class PreferencesDialog(Page):
         self._row(
             tr("Preferences", "Backups kept"),
             self.backups,
-            tr("Preferences", "Older versions beside each document."),
+            tr("Preferences", "How many older versions are kept beside each document."),
         )
         self.recent = self._button(
             tr("Preferences", "Recent files"), tr("Preferences", "Clear the list")

@@ -22,7 +22,7 @@ KEY_STEP = 1.05
 
 
 class PressureEditor(QWidget):
-    """What the hand presses (across) and what counts (upwards).
+    """Curve from the pressure of the hand (across) to the pressure that counts (upwards).
 
     Drag the curve up for a light hand, down for a heavy one; double-click straightens it.
 

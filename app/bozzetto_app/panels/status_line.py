@@ -34,8 +34,21 @@ class _Sign(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.kind = "hint"
+        self.setObjectName("status-sign")
         self.setFixedSize(QSize(16, 16))
+        self.show_kind("hint")
+
+    def show_kind(self, kind: str) -> None:
+        """Show of which kind the message is; a screen reader says it."""
+        self.kind = kind
+        names = {
+            "hint": tr("StatusLine", "Next step"),
+            "info": tr("StatusLine", "Note"),
+            "error": tr("StatusLine", "Problem"),
+            "fault": tr("StatusLine", "Fault"),
+        }
+        self.setAccessibleName(names[kind])
+        self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         colors = tones()
@@ -281,8 +294,7 @@ class StatusLine(QWidget):
         self._say("hint", self._session.hints.step.sentence)
 
     def _say(self, kind: str, words: str) -> None:
-        self._sign.kind = kind
-        self._sign.update()
+        self._sign.show_kind(kind)
         self._words.setText(words)
         self._words.setToolTip(words)
         self._words.setAccessibleName(words)

@@ -146,7 +146,7 @@ def _heading(words: str) -> QLabel:
 
 
 class WelcomeStrip(QScrollArea):
-    """What to begin with, besides a bare pen.
+    """Strip of samples and recent drawings beside an empty sheet.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What is open and what is being done to it; panels and canvas watch it. No widgets."""
+"""Open document and the work on it; panels and canvas watch it. No widgets."""

@@ -88,9 +88,17 @@ class Keeper(QObject):
     session : Session
     folder : Path
         Where recovery data lie; survives a restart of the machine.
+    tasks : Queue, optional
+        From which the thread that writes takes what it does, in order; None ends it. By default
+        one of its own.
     """
 
-    def __init__(self, session: Session, folder: Path) -> None:
+    def __init__(
+        self,
+        session: Session,
+        folder: Path,
+        tasks: queue.Queue[Callable[[], None] | None] | None = None,
+    ) -> None:
         super().__init__(session)
         self._drawing, self._files = session.drawing, session.files
         self._notices, self._registry = session.notices, session.registry
@@ -100,7 +108,7 @@ class Keeper(QObject):
         self._coming: set[str] = set()
         self._unwritten: list[_OnSheet] = []
         self._is_told = False
-        self._tasks: queue.Queue[Callable[[], None] | None] = queue.Queue()
+        self._tasks = queue.Queue() if tasks is None else tasks
         self._thread = threading.Thread(target=self._run, name="bozzetto-journal", daemon=True)
         self._thread.start()
         tasks = self._tasks
@@ -277,7 +285,7 @@ class Keeper(QObject):
     def _saved(self, path: Path) -> None:
         sheet, now = self._sheet, self._snapshot()
         if sheet.last is not None:
-            self._tasks.put(lambda: sheet.record.saved(now, now.document))
+            self._tasks.put(lambda: self._begin_again(sheet, now))
             self._record()
 
     def _leave(self, sheet: _OnSheet) -> None:
@@ -319,6 +327,14 @@ class Keeper(QObject):
                 self._is_told = False
                 again = tr("Recovery", "What you draw is safe from a crash again.")
                 call_on_main_thread(self, self._notices.tell, again)
+
+    def _begin_again(self, sheet: _OnSheet, saved: Snapshot) -> None:
+        """Keep only what is in no file: from now on that is what came after a save.
+
+        A later snapshot may have been written already, and is then in no recovery data.
+        """
+        sheet.written = None
+        sheet.record.saved(saved, saved.document)
 
     def _let_go(self) -> None:
         """Leave a drawing that is still on the sheet to be offered again: nobody has answered."""

@@ -1,4 +1,4 @@
-"""Who may write to a document: locks taken in workers, and given back beside the window.
+"""Locks of documents, taken in workers and given back beside the window.
 
 Giving a lock back asks the disk, which may be slow; the window must not wait for it.
 """

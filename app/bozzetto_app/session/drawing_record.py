@@ -26,7 +26,7 @@ NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class NotKept(UserError):
-    """What is drawn is in no recovery data, for their disk is full or fails."""
+    """Error: the drawing is in no recovery data, for their disk is full or fails."""
 
 
 def _not_kept(problem: UserError, folder: Path) -> NotKept:
@@ -59,7 +59,7 @@ class Snapshot(NamedTuple):
 
 
 class BroughtBack(NamedTuple):
-    """What a crash left behind, once it was read; `is_whole` if nothing of it is missing."""
+    """Recovery data that were read after a crash; `is_whole` if nothing of them is missing."""
 
     session: CrashedSession
     is_whole: bool

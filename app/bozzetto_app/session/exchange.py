@@ -43,7 +43,7 @@ MESH_MODELER = "bozzetto.mesh"
 
 
 class Foreseen(NamedTuple):
-    """What a hand-over would be, before anything is written.
+    """Forecast of a hand-over, before anything is written.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Foreseen(NamedTuple):
 
 
 class Exchange(QObject):
-    """What goes to other programs and comes from them.
+    """Import and export: files of other programs.
 
     Attributes
     ----------
@@ -172,7 +172,7 @@ class Exchange(QObject):
             listed = ", ".join(f"“{path.name}”" for path in paths)
             said = [tr("Files", "Exported {names}.", names=listed)]
             if waiting:
-                said.append(tr("Files", "The ink that waits is no part of it."))
+                said.append(tr("Files", "Waiting ink is not exported."))
             if warnings:
                 # An error stays until the next one: what is missing must not be overlooked.
                 self._notices.send(Notice("error", " ".join((*said, *warnings))))

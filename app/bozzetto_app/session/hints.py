@@ -1,4 +1,4 @@
-"""What is next: the one answer that every place shows.
+"""The next step: the one answer that every place shows.
 
 The status line, the words over the sheet, the plugin's panel, the tool rail and the ring on the
 sheet all read `Hints.step`, so they cannot disagree. Ink that waits comes first, then what the

@@ -5,7 +5,6 @@ A worker asks one modeler after the other; what can be read is offered with a pi
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from PySide6.QtCore import QObject, Signal
 
+from bozzetto.awake_time import awake_time
 from bozzetto.document.model import Model
 from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.errors import Cancelled, UserError
@@ -225,10 +225,10 @@ def _in_time(job: Job, read: Callable[[Job], Reading]) -> Reading:
     UserError
         If it takes too long.
     """
-    until = time.monotonic() + READING_LIMIT
+    until = awake_time() + READING_LIMIT
 
     def is_late() -> bool:
-        return time.monotonic() > until
+        return awake_time() > until
 
     try:
         return read(replace(job, cancelled=lambda: job.cancelled() or is_late()))

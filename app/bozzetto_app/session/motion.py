@@ -53,11 +53,16 @@ STEP_LIMIT: Final = 5.0
 
 
 class _Hand(NamedTuple):
-    """What the worker is to know of the hand: replaced as a whole, never changed."""
+    """Hand as the worker knows it: replaced as a whole, never changed."""
 
     held: Drag | None
     lifted: bool
     context: Context
+
+
+def _beginning(drag: Drag | None) -> tuple[float, float] | None:
+    """Return where a drag began, px: what it took hold of, it took hold of there."""
+    return None if drag is None else (float(drag.path.x[0]), float(drag.path.y[0]))
 
 
 class _Course:
@@ -74,6 +79,8 @@ class _Course:
         The model as the last step left it, and from which start; written by the worker.
     taken : Model
         As the document has it.
+    title : str
+        Of the step of the history: that of the tool, also when other tools are in the rail by now.
     key : str
         Of the step of the history.
     plays : bool
@@ -82,8 +89,11 @@ class _Course:
         Seconds moved per second passed, lately; written by the worker.
     """
 
-    def __init__(self, model: Model, tool: str, key: str, hand: _Hand, *, plays: bool) -> None:
-        self.model_id, self.tool, self.key, self.plays = model.id, tool, key, plays
+    def __init__(
+        self, model: Model, tool: str, title: str, key: str, hand: _Hand, *, plays: bool
+    ) -> None:
+        self.model_id, self.tool, self.title, self.key = model.id, tool, title, key
+        self.plays = plays
         self.hand = hand
         self.start = self.newest = (0, model)
         self.taken = model
@@ -239,7 +249,8 @@ class Motion(QObject):
             self._notices.complain(UserError(said))
             return
         key = f"motion {next(self._numbers)}"
-        course = self._course = _Course(model, tool_id, key, hand, plays=plays)
+        title = next(tool.title for tool in self._toolbox.tools if tool.id == tool_id)
+        course = self._course = _Course(model, tool_id, title, key, hand, plays=plays)
 
         def failed(problem: BaseException) -> None:
             self.stop()
@@ -253,12 +264,16 @@ class Motion(QObject):
         self.channel.submit(Request(work, ended, failed, "preview"))
 
     def _go_on(self, course: _Course, job: Job) -> None:
-        """Take steps until nothing is held and nothing plays; in the worker."""
+        """Take steps until nothing is held and nothing plays; in the worker.
+
+        What plays goes on where a drag holds nothing, which is told: corners that move are missed.
+        """
         bench = self._workbench
         count, model = course.start
         tool = bench.tool(model.modeler, course.tool)
         last = measured = perf_counter()
         moved = 0.0
+        missed: tuple[float, float] | None = None
         while True:
             begun, hand = perf_counter(), course.hand
             if course.start[0] != count:
@@ -269,7 +284,17 @@ class Motion(QObject):
                 course.pace = moved / (begun - measured)
                 moved, measured = 0.0, begun
             job.checkpoint(0.0, tool.title)
-            model = bench.step(model, tool, hand.held, seconds, hand.context)
+            held, began = hand.held, _beginning(hand.held)
+            if began == missed:
+                held = None
+            try:
+                model = bench.step(model, tool, held, seconds, hand.context)
+            except UserError as problem:
+                if held is None or not course.plays:
+                    raise
+                missed = began
+                call_on_main_thread(self, self._notices.complain, problem)
+                continue
             course.newest = (count, model)
             if not course.is_told:
                 course.is_told = True
@@ -308,13 +333,12 @@ class Motion(QObject):
         if present is not course.taken:
             course.start, course.taken = (course.start[0] + 1, present), present
         elif count == course.start[0] and newest is not present:
-            titles = (tool.title for tool in self._toolbox.tools if tool.id == course.tool)
             try:
                 document = self._drawing.document.with_model(newest)
             except UserError as problem:  # it would follow itself
                 self._notices.complain(problem)
                 return False
-            self._drawing.commit(next(titles, course.tool), document, course.key)
+            self._drawing.commit(course.title, document, course.key)
             course.taken, course.changed = self._present(course) or newest, True
         return True
 

@@ -47,7 +47,7 @@ def fields_of(state: object, first: Sequence[str] = ()) -> tuple[tuple[Field, An
 
 
 class ObjectEdits:
-    """What a person can do to the objects and underlays of a document."""
+    """Edits of the objects and underlays of a document."""
 
     def __init__(
         self,

@@ -31,7 +31,7 @@ Answer = TypeVar("Answer")
 
 
 class ObjectParts:
-    """What a person can do to the parts of an object.
+    """Edits of the parts of an object.
 
     Widgets cannot wait for a worker, so plugins are asked on the window's thread: one that
     hangs is interrupted.
@@ -53,8 +53,11 @@ class ObjectParts:
 
     def of(self, model_id: str) -> PartTree | None:
         """Return the parts of a model; None if it has none, or they cannot be read."""
-        model = self._drawing.document.model(model_id)
-        if model.state is self._unreadable.get(model_id):
+        return self.of_model(self._drawing.document.model(model_id))
+
+    def of_model(self, model: Model) -> PartTree | None:
+        """Return the parts of a model, as `of` does: a long list need not look for each."""
+        if model.state is self._unreadable.get(model.id):
             return None
         edits = self._workbench.parts
         known = edits.remembered(model)
@@ -66,7 +69,7 @@ class ObjectParts:
             return self._in_time(model, lambda edits: edits.of(model))
         except (UserError, PluginFault) as problem:
             # Asked for at every change of the document: reported once.
-            self._unreadable[model_id] = model.state
+            self._unreadable[model.id] = model.state
             self._notices.complain(problem)
             return None
 

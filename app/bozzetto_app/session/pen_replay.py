@@ -1,4 +1,4 @@
-"""What all replays have in common: a pen that draws recorded strokes again, in their time."""
+"""Pen that draws recorded strokes again, in their time: the base of all replays."""
 
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ class PictureInput(QObject):
                 raise UserError(
                     tr(
                         "Session",
-                        "No sketch goes to what is chosen. Choose Car, or another modeler that "
+                        "The chosen object takes no sketch. Choose Car, or another modeler that "
                         "works on pictures.",
                     )
                 )

@@ -66,7 +66,7 @@ class Task(NamedTuple):
 
     @property
     def progress(self) -> tuple[int, Stage]:
-        """What is compared: a newer revision is further than any stage of an older one."""
+        """Sort key of progress: a newer revision is further than any stage of an older one."""
         return self.revision, self.stage
 
 

@@ -197,7 +197,7 @@ class Toolbox(QObject):
             return
         for tool in self.tools:
             if tool.id == tool_id == self.tool:
-                words = tr("Session", "“{title}” is in the hand already.", title=tool.title)
+                words = tr("Session", "“{title}” is the active tool already.", title=tool.title)
                 self._notices.tell(words)
             elif tool.id == tool_id:
                 self.tool = tool_id

@@ -35,7 +35,7 @@ Place = Literal["picture", "view"]
 
 
 class Traced(msgspec.Struct, frozen=True, eq=False):
-    """What was found in a picture.
+    """Lines that were found in a picture.
 
     Attributes
     ----------

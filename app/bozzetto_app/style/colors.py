@@ -13,7 +13,7 @@ __all__ = ["Tones", "tones_of"]
 
 
 class Tones(msgspec.Struct, frozen=True):
-    """What widgets are painted with.
+    """Colours of widgets.
 
     ``panel`` the docks, ``field`` what can be typed into, ``raised`` menus and pop-ups;
     ``text`` and ``quiet`` (second in rank) are legible on all three. ``hairline`` parts

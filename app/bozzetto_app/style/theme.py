@@ -61,7 +61,7 @@ _shown: Palette = LIGHT
 
 
 class Theme(Enum):
-    """What the person asked for."""
+    """Choice of a theme in the preferences."""
 
     SYSTEM = "system"
     LIGHT = "light"

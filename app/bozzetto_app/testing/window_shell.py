@@ -242,8 +242,7 @@ class WindowShell:
         """Close the window without a question; nothing is saved."""
         self._end_watch()
         self.session.cancel_all()
-        self.window._closing = True
-        self.window.close()
+        self.window.close_without_asking()
         self.window.keeper.wait()
         self.session.files.close()
         self.window.deleteLater()

@@ -1,4 +1,4 @@
-"""What a plugin's panel may build with. Imports Qt, so only the module of the panel may name it."""
+"""Widgets for the panels of plugins. Imports Qt, so only the module of the panel may name it."""
 
 from bozzetto_app.toolkit.panel_scroll import PanelScroll as PanelScroll
 from bozzetto_app.toolkit.panel_worker import PanelWorker as PanelWorker

@@ -151,7 +151,9 @@ class _Reader:
                 value /= factor
             another = self._measure()
             if measure is not None and another is not None:
-                raise UserError(tr("Arithmetic", "A product or a quotient has one unit."))
+                raise UserError(
+                    tr("Arithmetic", "Only one number of a product or quotient can have a unit.")
+                )
             measure = another if measure is None else measure
         return value if measure is None else value * measure
 

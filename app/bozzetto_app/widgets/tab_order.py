@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractSpinBox, QWidget
 
-__all__ = ["put_in_tab_order"]
+__all__ = ["last_stop", "put_in_tab_order"]
 
 
 def put_in_tab_order(first: QWidget, parts: Iterable[QWidget]) -> None:
@@ -22,14 +22,23 @@ def put_in_tab_order(first: QWidget, parts: Iterable[QWidget]) -> None:
     """
     before = first
     for part in parts:
-        for widget in (part, *part.findChildren(QWidget)):
-            policy = widget.focusPolicy()
-            if policy is Qt.FocusPolicy.NoFocus or policy is Qt.FocusPolicy.ClickFocus:
-                continue
-            inner = isinstance(widget.parent(), QAbstractSpinBox)
-            elsewhere = widget.window() is not first.window()  # the list of a closed combo box
-            if inner or elsewhere:
-                continue
+        for widget in _stops(part):
             if widget is not before:
                 QWidget.setTabOrder(before, widget)
                 before = widget
+
+
+def last_stop(part: QWidget) -> QWidget:
+    """Return the last widget in a part at which Tab stops, or the part if there is none."""
+    return [part, *_stops(part)][-1]
+
+
+def _stops(part: QWidget) -> Iterator[QWidget]:
+    for widget in (part, *part.findChildren(QWidget)):
+        policy = widget.focusPolicy()
+        if policy is Qt.FocusPolicy.NoFocus or policy is Qt.FocusPolicy.ClickFocus:
+            continue
+        inner = isinstance(widget.parent(), QAbstractSpinBox)
+        elsewhere = widget.window() is not part.window()  # the list of a closed combo box
+        if not (inner or elsewhere):
+            yield widget

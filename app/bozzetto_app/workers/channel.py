@@ -15,10 +15,7 @@ import atexit
 import itertools
 import logging
 import math
-import sys
 import threading
-import time
-import traceback
 import weakref
 from collections import deque
 from collections.abc import Callable
@@ -29,9 +26,10 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from bozzetto.awake_time import awake_time
 from bozzetto.errors import Cancelled
 from bozzetto.plugin.guard.guard import Overrun
-from bozzetto.plugin.guard.watchdog import interrupt
+from bozzetto.plugin.guard.watchdog import interrupt, stack_of
 from bozzetto.plugin.job import Job
 from bozzetto_app.workers.main_thread import (
     call_on_main_thread,
@@ -82,13 +80,7 @@ class Hung(TimeoutError):
         self.limit = limit
         self.thread = thread
         self.is_again = is_again
-        self.stack = _stack(thread)
-
-
-def _stack(thread: threading.Thread | None) -> str:
-    """Return what a thread is doing, as in a traceback; "" if it has ended."""
-    frame = sys._current_frames().get((thread and thread.ident) or 0)
-    return "".join(traceback.format_stack(frame)) if frame is not None else ""
+        self.stack = stack_of(thread)
 
 
 @dataclass(eq=False)
@@ -139,7 +131,7 @@ class Request:
     def abandon(self) -> None:
         """Say that nobody wants the answer any more."""
         if self.abandoned_at is None:
-            self.abandoned_at = time.monotonic()
+            self.abandoned_at = awake_time()
 
 
 class _Worker:
@@ -247,6 +239,7 @@ class Channel(QObject):
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
+        self.setObjectName(name)
         self.name = name
         self.keep_all = keep_all
         self.time_limit = LATE_AFTER if is_patient and time_limit is None else time_limit
@@ -321,7 +314,7 @@ class Channel(QObject):
             return
         request = self._waiting.popleft()
         self._running = request
-        request.seen_alive = time.monotonic()
+        request.seen_alive = awake_time()
         self._watch.start()
         self.busy_changed.emit(True)
         self._hand_over(request)
@@ -343,7 +336,7 @@ class Channel(QObject):
 
     def _work(self, request: Request, arguments: tuple[Any, ...]) -> None:
         def progress(fraction: float, step: str) -> None:
-            request.seen_alive = now = time.monotonic()
+            request.seen_alive = now = awake_time()
             if now - self._last_progress > PROGRESS_INTERVAL and request is self._running:
                 self._last_progress = now
                 call_on_main_thread(self, self.progressed.emit, float(fraction), str(step))
@@ -382,7 +375,7 @@ class Channel(QObject):
             self.busy_changed.emit(False)
 
     def _look_at_the_clock(self) -> None:
-        now = time.monotonic()
+        now = awake_time()
         self._interrupt_the_hung(now)
         request = self._running
         if request is None:
@@ -397,7 +390,7 @@ class Channel(QObject):
         if not (deaf or late):
             return
         left = "%s did not stop or answer in time; its thread is left behind, at\n%s"
-        log.warning(left, self.name, _stack(request.thread))
+        log.warning(left, self.name, stack_of(request.thread))
         wanted = not request.abandoned
         request.abandon()
         self._finish()

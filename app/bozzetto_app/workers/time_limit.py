@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
+from bozzetto.awake_time import awake_time
 from bozzetto.plugin.guard.guard import Guard, Overrun, PluginFault
 from bozzetto.plugin.guard.watchdog import interrupt
 
@@ -75,7 +76,7 @@ class _Alarm:
     def _look(self) -> None:
         while True:
             time.sleep(LOOK)
-            now = time.monotonic()
+            now = awake_time()
             with self._lock:
                 calls = list(self._calls)
                 if all(call.ended and now - call.until > IDLE for call in calls):
@@ -99,7 +100,7 @@ def in_time(guard: Guard, modeler_id: str, what: str, call: Callable[[], Answer]
     BaseException
         Whatever the call raises.
     """
-    watched = _Watched(threading.current_thread(), time.monotonic() + PATIENCE)
+    watched = _Watched(threading.current_thread(), awake_time() + PATIENCE)
     _alarm.set(watched)
     details = ""
     try:

@@ -248,14 +248,14 @@ class Ready:
 
     @cached_property
     def triangles(self) -> Shapes:
-        """The same as triangles, no more than are wanted."""
+        """Shapes of triangles, no more than are wanted."""
         shapes = meshed(self.placed)
         most = self.handover.triangles
         return shapes if most is None else within_budget(shapes, most)
 
     @cached_property
     def coarser(self) -> tuple[Shapes, ...]:
-        """The same with fewer and fewer triangles, as many levels as are wanted besides."""
+        """Shapes with fewer and fewer triangles, as many levels as are wanted besides."""
         if not self.handover.levels:
             return ()
         count = triangle_count(self.triangles)

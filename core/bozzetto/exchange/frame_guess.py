@@ -30,6 +30,10 @@ UP_SAID: Final = re.compile(
     re.IGNORECASE,
 )
 
+PRINTED: Final = re.compile(rb"blender|freecad|openscad|slic3r|prusaslicer", re.IGNORECASE)
+"""Programs that name themselves in STL files and have Z up in them: a thing of which the lowest
+place is round and one side flat stands on that side else."""
+
 BY_FIRST: Final[dict[bytes, Unit]] = {b"mm": "mm", b"mi": "mm", b"c": "cm", b"m": "m", b"i": "in"}
 """Units by how their names begin; the longest beginning that fits."""
 
@@ -128,6 +132,8 @@ def _up(comments: bytes, form: str, shapes: Shapes) -> tuple[Up, str]:
     said = UP_SAID.search(comments)
     if said is not None:
         return ("y" if (said[1] or said[2]).lower() == b"y" else "z"), "its comments say so"
+    if form == "stl" and PRINTED.search(comments):
+        return "z", "as the program that wrote it"
     upright, lying = (_foot(shapes, axis) for axis in (1, 2))
     if max(upright, lying) >= FOOT and max(upright, lying) > 2.0 * min(upright, lying):
         return ("y" if upright > lying else "z"), "it stands so"

@@ -84,7 +84,7 @@ def frame_said(data: bytes) -> FileFrame | None:
 
 @dataclass(frozen=True)
 class Handover:
-    """What a person chooses about a file for another program; each None is the format's own way.
+    """Choices for a file that goes to another program; each None is the format's own way.
 
     Parameters
     ----------

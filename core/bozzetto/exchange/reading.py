@@ -1,4 +1,4 @@
-"""What the reader of a file may ask for beyond its bytes, and what it tells besides its shapes."""
+"""Requests of a reader beyond the bytes of its file, and its notes besides the shapes."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """What was read of a file of meshes.
+    """Content of a file of meshes.
 
     Parameters
     ----------

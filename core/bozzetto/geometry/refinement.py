@@ -1,4 +1,4 @@
-"""The same B-spline with more knots or of a higher degree, exactly: by blossoms.
+"""Knot insertion and degree elevation of B-splines, exactly: by blossoms.
 
 The blossom of a polynomial of degree p is the symmetric function of p arguments, linear in each,
 that is the polynomial where all are equal. Control points are its values at knots (Ramshaw 1989,

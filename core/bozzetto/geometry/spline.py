@@ -301,12 +301,12 @@ class Spline:
             return self
         if not self.closed:
             knots = np.sort(np.concatenate((self.knots, fresh)))
-            return Spline(knots, self._refined(knots))
+            return Spline(knots, _refined_points(self, knots))
         once = np.sort(np.concatenate((self.knots[DEGREE : -DEGREE - 1], fresh)))
         period = end - begin
         knots = np.concatenate((once[-DEGREE:] - period, once, once[: DEGREE + 1] + period))
         # The second of two rounds, where every span has its own polynomial.
-        points = self._unrolled()._refined(knots[: len(once) + DEGREE + 1] + period)
+        points = _refined_points(self._unrolled(), knots[: len(once) + DEGREE + 1] + period)
         return Spline(knots, np.vstack((points, points[:DEGREE])), closed=True)
 
     def split(self, *parameters: float) -> tuple[Spline, ...]:
@@ -335,7 +335,7 @@ class Spline:
             cuts = [begin, *sorted(inner - {begin, end}), end]
         unrolled = self._unrolled() if self.closed else self
         pairs = itertools.pairwise(cuts)
-        return tuple(unrolled._between(low, high) for low, high in pairs)
+        return tuple(_between(unrolled, low, high) for low, high in pairs)
 
     def _at_knot(self, parameter: float) -> float:
         """Return the knot that a parameter is off by rounding only, else the parameter."""
@@ -356,7 +356,7 @@ class Spline:
         breaks, counts = np.unique(inner, return_counts=True)
         counts = np.maximum(counts, DEGREE)
         counts[[0, -1]] = DEGREE + 1
-        points = self._refined(np.repeat(breaks, counts))
+        points = _refined_points(self, np.repeat(breaks, counts))
         starts = np.concatenate(([0], np.cumsum(counts[1:-1])))
         return points[starts[:, None] + np.arange(DEGREE + 1)]
 
@@ -364,17 +364,11 @@ class Spline:
         """Return the curve for export: clamped ends, space coordinates (z = 0 in a plane)."""
         begin, end = self.range
         clamped = self.knots[0] == begin and self.knots[-1] == end
-        whole = self if clamped else self._between(begin, end)
+        whole = self if clamped else _between(self, begin, end)
         points = whole.control_points
         space = np.zeros((len(points), 3))
         space[:, : points.shape[1]] = points
         return Curve(DEGREE, whole.knots, space, closed=self.closed, name=name, color=color)
-
-    def _between(self, low: float, high: float) -> Spline:
-        inner = self.knots[(self.knots > low) & (self.knots < high)]
-        ends = np.ones(DEGREE + 1)
-        knots = np.concatenate((low * ends, inner, high * ends))
-        return Spline(knots, self._refined(knots))
 
     def _unrolled(self) -> Spline:
         """Return two rounds of a closed curve as an open one."""
@@ -383,9 +377,18 @@ class Spline:
         knots = np.concatenate((self.knots[:DEGREE], inner, self.knots[DEGREE:] + (end - begin)))
         return Spline(knots, np.vstack((self.control_points[:-DEGREE], self.control_points)))
 
-    def _refined(self, knots: Array) -> Array:
-        """Return control points of the same curve over more knots."""
-        return refined(DEGREE, self.knots, self.control_points, knots)
+
+def _between(spline: Spline, low: float, high: float) -> Spline:
+    """Return a piece of an open curve, with clamped ends."""
+    inner = spline.knots[(spline.knots > low) & (spline.knots < high)]
+    ends = np.ones(DEGREE + 1)
+    knots = np.concatenate((low * ends, inner, high * ends))
+    return Spline(knots, _refined_points(spline, knots))
+
+
+def _refined_points(spline: Spline, knots: Array) -> Array:
+    """Return control points of the same curve over more knots."""
+    return refined(DEGREE, spline.knots, spline.control_points, knots)
 
 
 def uniform_knots(count: int, closed: bool) -> Array:

@@ -173,7 +173,7 @@ class Memory(Generic[Answer]):
 
     def put(self, question: Hashable, answer: Answer) -> None:
         """Remember an answer that was found elsewhere."""
-        entry = _Remembered(self, question, answer)
+        entry = _Remembered(self._remove, question, answer)
         gone: list[_Remembered[Answer]] = []
         with self._lock:
             if question in self._answers:
@@ -213,14 +213,19 @@ class _Work:
 class _Remembered(Entry, Generic[Answer]):
     """An answer with its question."""
 
-    __slots__ = ("_memory", "answer", "question", "uses")
+    __slots__ = ("_remove", "answer", "question", "uses")
 
-    def __init__(self, memory: Memory[Answer], question: Hashable, answer: Answer) -> None:
+    def __init__(
+        self,
+        remove: Callable[[_Remembered[Answer]], None],
+        question: Hashable,
+        answer: Answer,
+    ) -> None:
         super().__init__(size_of(question, answer))
-        self._memory = memory
+        self._remove = remove
         self.question = question
         self.answer = answer
         self.uses = 0
 
     def forget(self) -> None:
-        self._memory._remove(self)
+        self._remove(self)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class NextStep:
-    """What to do next with a model.
+    """Next step that a person can take with a model.
 
     The status line, the words over the sheet, the plugin's panel and the tool rail show this one
     answer, so they cannot disagree.

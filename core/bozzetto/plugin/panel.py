@@ -24,7 +24,7 @@ class PanelHost(Protocol):
 
     @property
     def next_step(self) -> NextStep:
-        """What to do next, as every other place of the window says it; see `Modeler.next_step`."""
+        """Next step, as every other place of the window says it; see `Modeler.next_step`."""
         ...
 
     def change(self, state: Any, label: str, *, going: bool = False) -> None:

@@ -7,7 +7,7 @@ positions are mm in the model's own frame.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any, Final, Literal, get_args
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene.palette import ROLES, Color
 
@@ -29,7 +30,7 @@ Finish = Literal["clay", "zebra", "gloss", "rubber", "metal"]
 Hidden = Literal["hide", "faint", "dashed", "show"]
 """How parts of lines and dots behind surfaces appear."""
 
-MOST_FRAMED = 100_000
+MOST_FRAMED = 30_000
 """Points that are looked at when a scene is framed; a mesh of more has edges so short that
 what thinning it out leaves over the margin cannot be seen."""
 
@@ -219,6 +220,40 @@ class Layer:
     chosen: bool = False
     revision: int = field(default_factory=lambda: next(_revisions))
 
+    @cached_property
+    def points(self) -> NDArray[Any]:
+        """What is shown of it when a scene is framed, (n, 3) mm.
+
+        The vertices of meshes, the points of lines and marks; beyond `MOST_FRAMED` thinned out.
+        """
+        parts = (
+            item.mesh.vertices if isinstance(item, Shaded) else _extent(item)
+            for item in self.items
+            if not isinstance(item, Image)
+        )
+        return _thinned([part for part in parts if len(part)])
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """Bounding box of meshes, lines, points and images, (2, 3) mm; NaN where there are none."""
+        parts = [part for part in map(_extent, self.items) if len(part)]
+        if not parts:
+            return np.full((2, 3), np.nan)
+        ends = [(part.min(axis=0), part.max(axis=0)) for part in parts]
+        low, high = zip(*ends, strict=True)
+        return np.stack((np.min(low, axis=0), np.max(high, axis=0)))
+
+    @cached_property
+    def marks(self) -> tuple[Handle | Label, ...]:
+        """Its handles and labels."""
+        return tuple(item for item in self.items if isinstance(item, Handle | Label))
+
+    @cached_property
+    def corners(self) -> NDArray[np.float64]:
+        """The corners of its images, (n, 3) mm."""
+        images = [_extent(item) for item in self.items if isinstance(item, Image)]
+        return np.concatenate([np.zeros((0, 3)), *images])
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -257,7 +292,7 @@ class Scene:
 
     @property
     def known(self) -> Scene:
-        """What is there without a wait: of a sum, whatever is not put off; else all or nothing."""
+        """Items that need no wait: of a sum, whatever is not put off; else all or nothing."""
         return self if self.is_made else self.__dict__.get("_known", EMPTY)
 
     def __add__(self, other: Scene) -> Scene:
@@ -312,14 +347,11 @@ class Scene:
 
         NaN where the scene is empty.
         """
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        for _, item in self.items():
-            points = _extent(item)
-            if len(points):
-                low, high = np.minimum(low, points.min(0)), np.maximum(high, points.max(0))
-        if not np.isfinite(low).all():
+        boxes = np.array([layer.bounds for layer in self.layers if layer.items])
+        boxes = boxes[np.isfinite(boxes).all(axis=(1, 2))] if len(boxes) else boxes
+        if not len(boxes):
             return np.full((2, 3), np.nan)
-        return np.stack((low, high))
+        return np.stack((boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)))
 
     def points(self) -> NDArray[np.float64]:
         """Return the points to be shown when the scene is framed, shape (n, 3), mm.
@@ -328,15 +360,18 @@ class Scene:
         corners of images. What belongs to a tool does not count, for it comes and goes with it.
         Beyond `MOST_FRAMED` points are thinned out evenly.
         """
-        items = [item for layer in self.layers if not layer.tool for item in layer.items]
-        drawn = [item for item in items if not isinstance(item, Image)]
-        parts = [
-            item.mesh.vertices if isinstance(item, Shaded) else _extent(item)
-            for item in (drawn if any(len(_extent(item)) for item in drawn) else items)
-        ]
-        count = sum(len(part) for part in parts)
-        step = 1 + count // MOST_FRAMED
-        return np.concatenate([np.zeros((0, 3)), *(part[::step] for part in parts)])
+        layers = [layer for layer in self.layers if not layer.tool]
+        parts = [layer.points for layer in layers if len(layer.points)]
+        found = _thinned(parts or [layer.corners for layer in layers])
+        return np.asarray(found, np.float64)
+
+
+def _thinned(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return points (n, 3) together, some of each; `MOST_FRAMED` and one of each at most."""
+    step = 1 + sum(map(len, parts)) // MOST_FRAMED
+    if len(parts) == 1:
+        return parts[0][::step]
+    return np.concatenate([part[::step] for part in parts]) if parts else np.zeros((0, 3))
 
 
 EMPTY: Final = Scene()

@@ -170,7 +170,7 @@ class _Path(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """What is seen along the stroke: arc length (px), lines of sight, and what they met."""
+    """Samples along the stroke: arc length (px), lines of sight, and what they met."""
 
     way: Array
     rays: Rays

@@ -81,7 +81,7 @@ class Hits:
 
     @property
     def items(self) -> tuple[Shaded | None, ...]:
-        """What each ray met; None where nothing was."""
+        """Item that each ray met; None where nothing was."""
         return tuple(self.surfaces[k].item if k >= 0 else None for k in self.on.tolist())
 
     def taken(self, which: ArrayLike) -> Hits:

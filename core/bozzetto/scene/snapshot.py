@@ -11,7 +11,7 @@ from bozzetto.scene.display_list import Handle, Layer, Scene, Shaded
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.renderer import Shading, render
 from bozzetto.scene.thickness_view import thickness_view
-from bozzetto.view.page import framing, page_view
+from bozzetto.view.page_views import framing, page_view
 
 if TYPE_CHECKING:
     from bozzetto.scene.wall_thickness import Walls

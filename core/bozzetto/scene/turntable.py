@@ -14,7 +14,7 @@ from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.renderer import Shading, render
 from bozzetto.scene.snapshot import framed, without_handles
 from bozzetto.scene.thickness_view import thickness_view
-from bozzetto.view.page import framing
+from bozzetto.view.page_views import framing
 
 if TYPE_CHECKING:
     from bozzetto.arrays import Array

@@ -167,10 +167,10 @@ def _check_hooks(package: str, manifest: Manifest) -> list[Finding]:
 
 
 def _check_modeler(package: str, modeler_id: str, begins: Callable[[str], None]) -> list[Finding]:
+    from bozzetto.testing.call_watch import CallWatch, Unanswered
     from bozzetto.testing.checks import CHECKS
     from bozzetto.testing.spelling import check_spelling
     from bozzetto.testing.subject import Subject
-    from bozzetto.testing.time_limit import CallWatch, Unanswered
 
     registry = Registry(extra=(package,))
     info = registry.info(modeler_id)

@@ -22,7 +22,7 @@ from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution
 from bozzetto.view.camera import Camera
-from bozzetto.view.page import framing, page_view
+from bozzetto.view.page_views import framing, page_view
 from bozzetto.view.standard_views import standard_view
 from bozzetto.workbench.placed import told_apart
 

@@ -245,11 +245,31 @@ def hinge(motion: Motion, first: int, second: int, begin: Array, end: Array) -> 
     )
 
 
-def slider(motion: Motion, first: int, second: int, begin: Array, end: Array) -> Joints:
-    """Return a joint that lets a place of the first body slide along a line of the second."""
-    axis = (np.asarray(end) - begin) / np.linalg.norm(np.asarray(end) - begin)
-    aside = np.stack(square_to(axis))
-    return directed(motion, first, second, np.tile(begin, (2, 1)), aside)
+def slider(
+    motion: Motion, first: int, second: int, begin: Array, end: Array, *, turns: bool = True
+) -> Joints:
+    """Return a joint that lets a place of the first body slide along a line of the second.
+
+    Parameters
+    ----------
+    motion : Motion
+        At rest.
+    first, second : int
+        Bodies, or the ground as the second.
+    begin, end : (3,) array
+        The place, and another one on the line, m.
+    turns : bool
+        Whether the first body may turn against the second one.
+    """
+    axis = np.asarray(end) - begin
+    length = float(np.linalg.norm(axis))
+    aside = np.stack(square_to(axis / length))
+    made = directed(motion, first, second, np.tile(begin, (2, 1)), aside)
+    if turns:
+        return made
+    beside = begin + length * aside[0]
+    places = np.stack((np.asarray(end), np.asarray(end), beside))
+    return made + directed(motion, first, second, places, np.vstack((aside, aside[1:])))
 
 
 def link(motion: Motion, first: int, second: int, begin: Array, end: Array) -> Joints:

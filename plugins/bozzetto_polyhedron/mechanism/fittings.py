@@ -54,6 +54,8 @@ class Fastening:
         Of a spring, N/m.
     drive : Drive, optional
         Of what has a motor.
+    turns : bool
+        Whether what slides may turn.
     """
 
     kind: FittingKind
@@ -64,6 +66,7 @@ class Fastening:
     length: float = 0.0
     stiffness: float = 0.0
     drive: Drive | None = None
+    turns: bool = True
 
 
 def fastened(machine: Machine, fastenings: Sequence[Fastening]) -> Machine:
@@ -134,7 +137,7 @@ def _joints(machine: Machine, each: Fastening, driven: frozenset[int]) -> Joints
     if first == second or np.linalg.norm(end - begin) == 0.0:
         return no_joints()
     if each.kind == "slider":
-        return slider(rest, first, second, begin, end)
+        return slider(rest, first, second, begin, end, turns=each.turns)
     made = hinge(rest, first, second, begin, end)
     return made + _driven(rest, first, second, end - begin, each.drive)
 

@@ -36,6 +36,8 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 
 Moves = Literal["whole", "links", "plates", "flat"]
 
+Folds = frozenset[tuple[int, int]]
+
 METRE: Final = 1e-3
 """Metres in a millimetre."""
 
@@ -74,6 +76,9 @@ class Shape:
         What of it meets other bodies, mm; only one that moves as a whole has any.
     normal : (3,) float64, optional
         Of the plane in which the bars of a flat shape lie and move.
+    folds : frozenset of (int, int), optional
+        Edges at which plates are hinged, the smaller number first; those that share another one are
+        one piece. None where all of them are.
     """
 
     vertices: Array
@@ -87,6 +92,7 @@ class Shape:
     triangles: Index | None = None
     parts: tuple[Polytope, ...] = ()
     normal: Array | None = None
+    folds: Folds | None = None
 
     @property
     def wall(self) -> float:
@@ -163,7 +169,8 @@ class Machine:
     def fold_between(self, number: int, begin: Array, end: Array) -> tuple[int, int] | None:
         """Return the plates that share the edge between the corners nearest to two places, mm.
 
-        The first is the one round which the edge leads from the first place to the second.
+        The first is the one round which the edge leads from the first place to the second. None
+        where no two plates that turn against one another do.
         """
         shape, plates = self.shapes[number], self.plates[number]
         if shape.moves != "plates":
@@ -171,13 +178,15 @@ class Machine:
         one, other = (
             int(np.argmin(np.linalg.norm(shape.vertices - at, axis=1))) for at in (begin, end)
         )
-        found: dict[tuple[int, int], int] = {}
-        for rings, piece in zip(shape.faces, plates, strict=True):
-            for ring in rings:
-                for pair in zip(ring, (*ring[1:], *ring[:1]), strict=True):
-                    found[pair] = int(piece)
+        found = {
+            pair: int(piece)
+            for rings, piece in zip(shape.faces, plates, strict=True)
+            for pair in sides_of(rings)
+        }
         pieces = found.get((one, other)), found.get((other, one))
-        return None if pieces[0] is None or pieces[1] is None else (pieces[0], pieces[1])
+        if pieces[0] is None or pieces[1] is None or pieces[0] == pieces[1]:
+            return None
+        return pieces[0], pieces[1]
 
     def moved(self, number: int, motion: Motion, pieces: Index | None = None) -> Array:
         """Return the vertices of a shape where a motion has taken them, (n, 3) mm.
@@ -289,23 +298,28 @@ class _Builder:
         self.edges[-1] = np.array(numbers, np.intp)
 
     def _plates(self, shape: Shape) -> None:
-        """Add a plate for every face, hinged where faces share an edge."""
+        """Add a plate for every face, hinged at the edges that are folds, one with others there."""
         points = shape.vertices * METRE
         holders = np.full(len(points), GROUND)
-        numbers: list[int] = []
+        groups = rigid_faces(shape.faces, shape.folds)
+        weights = [plate_masses(points, rings, shape.wall, shape.density) for rings in shape.faces]
+        numbers = np.zeros(len(groups), np.intp)
+        for group in range(int(groups.max(initial=-1)) + 1):
+            own = [weights[k] for k in np.flatnonzero(groups == group)]
+            where, masses = (np.concatenate([part[k] for part in own]) for k in (0, 1))
+            numbers[groups == group] = self._piece(where, masses)
         at_edge: dict[tuple[int, int], int] = {}
-        for rings in shape.faces:
-            piece = self._piece(*plate_masses(points, rings, shape.wall, shape.density))
-            numbers.append(piece)
+        for rings, number in zip(shape.faces, numbers, strict=True):
+            piece = int(number)
             for ring in rings:
                 holders[list(ring)] = np.where(holders[list(ring)] < 0, piece, holders[list(ring)])
-                for begin, end in zip(ring, (*ring[1:], *ring[:1]), strict=True):
-                    edge = (min(begin, end), max(begin, end))
-                    if edge in at_edge:
-                        self.hinges.append((piece, at_edge[edge], points[edge[0]], points[edge[1]]))
-                    at_edge[edge] = piece
+            for begin, end in sides_of(rings):
+                edge = (min(begin, end), max(begin, end))
+                if at_edge.get(edge, piece) != piece:
+                    self.hinges.append((piece, at_edge[edge], points[edge[0]], points[edge[1]]))
+                at_edge[edge] = piece
         self.holders.append(holders)
-        self.plates.append(np.array(numbers, np.intp))
+        self.plates.append(numbers)
         self._anchored(shape, holders, np.eye(3))
 
     def _whole(self, shape: Shape) -> None:
@@ -460,6 +474,35 @@ def meeting(machine: Machine) -> Machine:
     passing = jointed(machine.assembly.joints) | lying_in_one_another(made, machine.rest)
     assembly = replace(machine.assembly, colliding=replace(made, passing=passing))
     return replace(machine, assembly=assembly)
+
+
+def rigid_faces(faces: Sequence[Rings], folds: Folds | None) -> Index:
+    """Return the number of the rigid piece that each face is part of, (f,), counted from 0.
+
+    Parameters
+    ----------
+    faces : sequence of Rings
+        Of one body.
+    folds : frozenset of (int, int), optional
+        Edges at which faces turn against one another, the smaller number first; None for all.
+    """
+    groups = np.arange(len(faces))
+    if folds is None:
+        return groups
+    at_edge: dict[tuple[int, int], int] = {}
+    for face, rings in enumerate(faces):
+        for begin, end in sides_of(rings):
+            edge = (min(begin, end), max(begin, end))
+            if edge in at_edge and edge not in folds:
+                one, other = groups[face], groups[at_edge[edge]]
+                groups[groups == max(one, other)] = min(one, other)
+            at_edge[edge] = face
+    return np.unique(groups, return_inverse=True)[1]
+
+
+def sides_of(rings: Rings) -> list[tuple[int, int]]:
+    """Return the edges of a face from corner to corner, as its rings lead round it."""
+    return [pair for ring in rings for pair in zip(ring, (*ring[1:], *ring[:1]), strict=True)]
 
 
 def _no_numbers() -> Index:

@@ -49,6 +49,10 @@ HALVINGS: Final = 5
 SETTLED: Final = 1e-9
 """Change of a turn between two rounds, rad, at which the middle of a step is known."""
 
+STRAINED: Final = 10.0
+"""Share of velocity that what a pen pulls at loses per second, 1/s, where it is far beyond reach:
+one weight at 1 m/s, of the eight with which the pen pulls."""
+
 TORN: Final = 0.5
 """Gap, in extents of the mechanism, from which on there is no hope of closing it in this step."""
 
@@ -210,7 +214,7 @@ class Stepper:
             half, known = self._stepped(motion, None, 0.5 * h, pull, depth + 1)
             return self._stepped(half, known, 0.5 * h, pull, depth + 1)
         end = self._kicked(moved, 0.5 * h)
-        left = float(np.exp(-self.damping * h))
+        left = float(np.exp(-(self.damping + _strained(motion, pull)) * h))
         end = replace(end, velocities=end.velocities * left, momenta=end.momenta * left)
         known = self._pose(end, pull, h)
         end = self._without_opening(end, known)
@@ -337,6 +341,19 @@ def _pushed(motion: Motion, pose: _Pose, given: Array) -> Motion:
     return replace(
         motion, velocities=motion.velocities + given[:, :3], momenta=motion.momenta + turned
     )
+
+
+def _strained(motion: Motion, pull: Pull | None) -> float:
+    """Return the share of velocity that is lost per second since the pen is beyond reach, 1/s.
+
+    What it holds swings there like a pendulum about the place that is nearest to it, for the limit
+    leaves nothing of what damps it; and all between that and what stands still like a taut string.
+    """
+    if pull is None:
+        return 0.0
+    place = motion.places[pull.body] + motion.turns[pull.body] @ pull.point
+    wanted = pull.stiffness * float(np.linalg.norm(pull.target - place))
+    return STRAINED * (1.0 - pull.limit / wanted) if wanted > pull.limit else 0.0
 
 
 def _slope_at(motion: Motion, pull: Pull) -> Array:

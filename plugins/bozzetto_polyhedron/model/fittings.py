@@ -89,6 +89,15 @@ class Coil(Fitting):
 class Slider(Fitting):
     """Lets the place where it begins slide along its line, which stands still."""
 
+    turning: Annotated[
+        Literal["free", "locked"],
+        Parameter(
+            "Turning",
+            help="Whether what slides may turn meanwhile, as a piston's pin, or not, as a drawer.",
+            choices=(("free", "Free"), ("locked", "Locked")),
+        ),
+    ] = "free"
+
 
 @dataclass(frozen=True)
 class Pin(Fitting):

@@ -37,8 +37,8 @@ SWINGS: Final = (
 )
 
 CROWDED: Final = (
-    "Here lines lie on one another and could not be told apart. Pull them apart, or choose “Back "
-    "to rest”, then draw."
+    "Here lines lie on one another and could not be told apart. Pull them apart or choose “Back to "
+    "rest”, then draw; or draw a bar from corner to corner with “Link”."
 )
 
 ROUNDS: Final = 12

@@ -14,9 +14,17 @@ from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
 from bozzetto_polyhedron.mechanism.fittings import fastened
-from bozzetto_polyhedron.mechanism.pieces import METRE, Machine, Shape, machine_of, meeting
+from bozzetto_polyhedron.mechanism.pieces import (
+    METRE,
+    Folds,
+    Machine,
+    Shape,
+    machine_of,
+    meeting,
+    rigid_faces,
+)
 from bozzetto_polyhedron.mechanism.stepper import Stepper
-from bozzetto_polyhedron.model.fittings import Anchor, Trace
+from bozzetto_polyhedron.model.fittings import Anchor, Hinge, Trace
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
@@ -40,7 +48,7 @@ GRAVITY: Final = 9.81
 
 TO_MOVE: Final = (
     "Touch a corner of a drawing to turn it into a solid, or choose “Bars, flat as drawn” under "
-    "“Moves as”."
+    "“Parameters”, “Moves as”."
 )
 """What makes something move where nothing does yet."""
 
@@ -280,6 +288,10 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
         if moves != "links":
             vertices, faces = found.body.vertices, found.body.faces
             edges = edges_of(faces)
+    folds = None
+    if moves == "whole":
+        folds = _folds_of(body, state, vertices)
+        moves = "plates" if rigid_faces(faces, folds).any() else moves
     return Shape(
         vertices,
         edges,
@@ -290,7 +302,19 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
         thickness=body.wall,
         solid=solid,
         parts=parts_of(found.mesh) if moves == "whole" and found.mesh is not None else (),
+        folds=folds,
     )
+
+
+def _folds_of(body: Body, state: PolyhedronState, vertices: Array) -> Folds:
+    """Return the edges of a body along which a hinge with itself was drawn."""
+    folds = set()
+    for fitting in state.fittings():
+        if isinstance(fitting, Hinge) and fitting.begin.body == fitting.second == body.id:
+            ends = (place_of(spot, state) for spot in (fitting.begin, fitting.end))
+            one, other = sorted(_nearest(vertices, end) for end in ends)
+            folds.add((one, other))
+    return frozenset(folds)
 
 
 def _followed_shape(part: Followed, mesh: Mesh, state: PolyhedronState) -> Shape:

@@ -106,6 +106,7 @@ def fastenings_of(state: PolyhedronState, numbers: dict[str, int]) -> list[Faste
                 length=fitting.length if isinstance(fitting, Link | Coil) else 0.0,
                 stiffness=fitting.stiffness if isinstance(fitting, Coil) else 0.0,
                 drive=_drive(fitting) if isinstance(fitting, Driven) else None,
+                turns=not isinstance(fitting, Slider) or fitting.turning == "free",
             )
         )
     return made

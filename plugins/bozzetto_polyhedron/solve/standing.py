@@ -13,6 +13,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Placement
+from bozzetto_polyhedron.mechanism.pieces import sides_of
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.same_view import view_of
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
@@ -49,9 +50,9 @@ def standing_of(body: Body, made: PlanarBody) -> Placement | None:
 def stood(before: PolyhedronState, after: PolyhedronState, body_id: str) -> PolyhedronState:
     """Return a state in which the sheet of a solid stands on the ground, or as it is.
 
-    The first solid of a drawing decides where the ground is. Whatever becomes of it, it goes on
-    standing as long as it stands. Nothing is moved that hangs together with other things, and no
-    linkage.
+    The first solid of a drawing, or the first box without a lid, decides where the ground is.
+    Whatever becomes of it, it goes on standing as long as it stands. Nothing is moved that hangs
+    together with other things, and no linkage.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def stood(before: PolyhedronState, after: PolyhedronState, body_id: str) -> Poly
     if not isinstance(body, Body) or not _may_stand(after, body) or not _stands(before, body_id):
         return after
     found = solved(body, after)
-    if found.body is None or not found.body.closed:
+    if found.body is None or not (found.body.closed or _has_floor(found.body)):
         return after
     way = standing_of(body, found.body)
     return after if way is None or way.is_identity else with_sheet_moved(after, body, way)
@@ -89,6 +90,15 @@ def foot_of(body: PlanarBody) -> int | None:
     if not holds.any():
         return None
     return int(np.argmin(np.where(holds, body.normals[:, 2], np.inf)))
+
+
+def _has_floor(body: PlanarBody) -> bool:
+    """Whether walls rise from every side of the face on which a sheet would stand, as in a box."""
+    number = foot_of(body)
+    if number is None:
+        return False
+    sides = {pair for rings in body.faces for pair in sides_of(rings)}
+    return all((end, begin) in sides for begin, end in sides_of(body.faces[number]))
 
 
 def _may_stand(state: PolyhedronState, body: Body) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 
@@ -14,9 +14,20 @@ from bozzetto.view import Camera
 from bozzetto_polyhedron.mechanism.assembly import square_to
 from bozzetto_polyhedron.mechanism.fittings import frame_of
 from bozzetto_polyhedron.mechanism.pieces import TOGETHER, Shape
-from bozzetto_polyhedron.model.fittings import Coil, Crank, Fitting, Hinge, Link, Pin, Slider, Trace
-from bozzetto_polyhedron.model.state import PolyhedronState
-from bozzetto_polyhedron.solve.aiming import Aim, aim_at
+from bozzetto_polyhedron.model.fittings import (
+    Coil,
+    Crank,
+    Fitting,
+    Hinge,
+    Link,
+    Pin,
+    Slider,
+    Trace,
+)
+from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.solve.aiming import Aim, aim_at, corner_spot
+from bozzetto_polyhedron.solve.bars import is_of_bars, with_bars_at
+from bozzetto_polyhedron.solve.folds import fold_at, with_largest_held
 from bozzetto_polyhedron.solve.kept_poses import AT_REST
 from bozzetto_polyhedron.solve.moving import TO_MOVE, Moving, has_bodies, moving, moving_bodies
 from bozzetto_polyhedron.solve.picking import REACH
@@ -32,6 +43,13 @@ INSIDE: Final = 1e-3
 BESIDE: Final = 0.1
 """Distance of an axis from a body of another object, by the largest extent, that it still joins."""
 
+ALONG: Final = 0.98
+"""Cosine of the angle on the sheet within which a way is that of an edge."""
+
+TURNS: Final = (
+    "It turns about this axis: pull a corner with “Move”, or give it a motor under “Parameters”."
+)
+
 PLACES: Final = 33
 """Places along an axis at which it is looked for bodies."""
 
@@ -46,6 +64,8 @@ class _JoiningTool(ErasingTool):
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
         """Add what this tool draws, from where each stroke begins to where it ends."""
         for stroke in ink.strokes:
+            ends = [(float(x), float(y)) for x, y in stroke.points[[0, -1]]]
+            state = with_bars_at(state, stroke.camera, *ends)
             made = moving_bodies(state, context.sources, "join")
             if state.moved is not None and not self.while_moved:
                 raise UserError(AT_REST)
@@ -80,7 +100,7 @@ class _JoiningTool(ErasingTool):
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing can be joined yet, that."""
-        if not has_bodies(state):
+        if not has_bodies(state) and not any(map(is_of_bars, state.shown(Body))):
             return NextStep(TO_MOVE, tool="turn")
         return NextStep(self.hint)
 
@@ -170,16 +190,40 @@ class DrawHinge(_JoiningTool):
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
         """Return the axis between two bodies; of one alone, with the one that it touches.
 
-        Along an edge that two plates of one body share it is a fold of that body.
+        Along an edge at which faces of one body can turn it is a fold of that body.
         """
         if not begin.spot.body:
             begin, end = end, begin
+        edge = fold_at(made, begin, end)
+        if edge is not None:
+            body: Body = state.node(begin.spot.body)
+            number = made.number_of(body.id)
+            if number is None:
+                raise UserError(f"This body is gone. {self.hint}")
+            one, other = (made.machine.shapes[number].vertices[corner] for corner in edge)
+            ends = corner_spot(state, body, one), corner_spot(state, body, other)
+            return Hinge(begin=ends[0], end=ends[1], second=body.id)
         second = end.spot.body
-        number = made.number_of(second)
-        folds = number is not None and made.machine.fold_between(number, begin.place, end.place)
-        if second == begin.spot.body and not folds:
+        if second == begin.spot.body:
             second = _neighbour(state, made, begin, end)
         return Hinge(begin=begin.spot, end=end.spot, second=second)
+
+    @override
+    def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:
+        """Add hinges; the largest piece of a body that they fold is held, where nothing is yet."""
+        drawn = super().draw(state, ink, context)
+        for hinge in drawn.of_kind(Hinge):
+            if hinge.second == hinge.begin.body and hinge not in state.nodes:
+                drawn = with_largest_held(drawn, context.sources, drawn.node(hinge.second))
+        return drawn
+
+    @override
+    def next_step(self, state: PolyhedronState) -> NextStep:
+        """Return the hint; once a hinge is there, what to do with it."""
+        chosen = state.chosen_of(Hinge)
+        if chosen is not None and state.moved is None:
+            return NextStep(TURNS, tool="move")
+        return super().next_step(state)
 
 
 class DrawSlider(_JoiningTool):
@@ -193,11 +237,40 @@ class DrawSlider(_JoiningTool):
     noun = "Slider"
 
     @override
+    def _aims(
+        self, state: PolyhedronState, made: Moving, camera: Camera, pixels: Array
+    ) -> tuple[Aim, Aim]:
+        """Return both ends; into the open along the edge of a solid that is seen to lead there."""
+        begin, end = super()._aims(state, made, camera, pixels)
+        number = made.number_of(begin.spot.body)
+        if number is None or end.spot.body:
+            return begin, end
+        shape = made.machine.shapes[number]
+        if shape.moves != "whole" or not len(shape.edges):
+            return begin, end
+        corner = int(np.argmin(np.linalg.norm(shape.vertices - begin.place, axis=1)))
+        edges = shape.edges[(shape.edges == corner).any(axis=1)]
+        ways = shape.vertices[edges.sum(axis=1) - corner] - shape.vertices[corner]
+        ways = np.concatenate((ways, -ways))
+        seen = camera.project(np.vstack((begin.place, begin.place + ways)))[0]
+        drawn, lead = pixels[1] - seen[0], seen[1:] - seen[0]
+        lengths = np.maximum(np.linalg.norm(lead, axis=1), SHORT)
+        likeness = lead @ drawn / (lengths * max(float(np.linalg.norm(drawn)), SHORT))
+        best = int(np.argmax(likeness))
+        if not likeness[best] > ALONG:
+            return begin, end
+        place = begin.place + ways[best] * float(np.linalg.norm(drawn)) / lengths[best]
+        return begin, Aim(spot_at(place, None), place)
+
+    @override
     def joined(self, state: PolyhedronState, made: Moving, begin: Aim, end: Aim) -> Fitting:
-        """Return the guide; what slides is the corner where it begins."""
-        if not begin.spot.body:
+        """Return the guide; what slides is the corner where it begins, or a solid as a drawer."""
+        number = made.number_of(begin.spot.body)
+        if number is None:
             raise UserError(f"It must begin on a body. {self.hint}")
-        return Slider(begin=begin.spot, end=end.spot)
+        solid = made.machine.shapes[number].moves == "whole"
+        turning: Literal["free", "locked"] = "locked" if solid else "free"
+        return Slider(begin=begin.spot, end=end.spot, turning=turning)
 
 
 class DrawCrank(_JoiningTool):
@@ -224,7 +297,9 @@ class DrawCrank(_JoiningTool):
         if made.machine.bar_between(number, begin.place, end.place) is None:
             raise UserError(f"There is no bar between these corners. {self.hint}")
         if frame_of(made.machine, number, begin.place, end.place, frozenset()) is None:
-            raise UserError("This corner hangs free. Hold it with the moving tool first.")
+            raise UserError(
+                "This corner hangs free. Touch it with “Move” to hold it, then draw the motor."
+            )
         return Crank(begin=begin.spot, end=end.spot)
 
 

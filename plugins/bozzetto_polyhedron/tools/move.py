@@ -20,6 +20,7 @@ from bozzetto_polyhedron.model.fittings import Anchor, Place
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
 from bozzetto_polyhedron.solve.aiming import corner_spot
+from bozzetto_polyhedron.solve.bars import is_of_bars, with_bars_at
 from bozzetto_polyhedron.solve.moving import (
     TO_MOVE,
     Moving,
@@ -35,6 +36,8 @@ from bozzetto_polyhedron.solve.moving import (
 from bozzetto_polyhedron.solve.picking import REACH
 from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.view.motion import moved_vertices
+
+BARS: Final = "These lines move as bars: touch corners to hold them, pull another one with the pen."
 
 PERIOD: Final = 0.12
 """Time in which the pen's spring would swing the whole mechanism once, s: it feels direct."""
@@ -70,6 +73,7 @@ class Move(ErasingTool):
     @override
     def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
         """Hold the corner that is touched where it is, or let it go."""
+        state = with_bars_at(state, tap.camera, (tap.x, tap.y))
         made = moving_bodies(state, context.sources, "move")
         body, vertex = _nearest(state, made, tap.camera, np.array([tap.x, tap.y]))
         number = made.numbers[body.id]
@@ -90,6 +94,8 @@ class Move(ErasingTool):
         self, state: PolyhedronState, held: Drag | None, seconds: float, context: Context
     ) -> PolyhedronState:
         """Return the state a moment later, pulled by the pen where it holds something."""
+        if held is not None:
+            state = with_bars_at(state, held.camera, _beginning(held))
         state = as_held(state)
         made = moving_bodies(state, context.sources, "move")
         motion = made.motion(state.moved)
@@ -109,6 +115,8 @@ class Move(ErasingTool):
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where nothing was turned yet, that."""
         if not has_bodies(state):
+            if any(map(is_of_bars, state.shown(Body))):
+                return NextStep(BARS)
             return NextStep(TO_MOVE, tool="turn")
         return NextStep(f"{_freedoms(state)}{self.hint}")
 
@@ -126,9 +134,13 @@ def _freedoms(state: PolyhedronState) -> str:
     return f"It can move in {degrees} way{'s' if degrees > 1 else ''}. "
 
 
+def _beginning(held: Drag) -> Place:
+    return float(held.path.x[0]), float(held.path.y[0])
+
+
 def _grabbed(state: PolyhedronState, made: Moving, held: Drag) -> Grab:
     """Return what this drag holds: chosen at its beginning, and kept to its end."""
-    begin: Place = (float(held.path.x[0]), float(held.path.y[0]))
+    begin = _beginning(held)
     grab = state.grab
     if grab is not None and grab.begin == begin and grab.body in made.numbers:
         return grab

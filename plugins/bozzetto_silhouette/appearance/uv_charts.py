@@ -13,7 +13,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Faces, Index
 from bozzetto.scene import DepthBuffer, blank_buffer, rasterize
-from bozzetto_silhouette.numerics.grouping import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces, face_neighbours
 
 MOST = 2048
 """Longest side of an atlas, texels: what every graphics card takes."""
@@ -72,7 +72,7 @@ def laid_out(vertices: Array, faces: Faces, axes: Array, density: float) -> Layo
         Texels per mm that are wanted; fewer where the atlas would be too large.
     """
     corners = vertices[faces] @ axes.T
-    beside = _neighbours(faces)
+    beside = face_neighbours(faces, int(faces.max(initial=0)) + 1)
     label = _labels(corners, beside)
     layer = np.zeros(len(faces), np.int64)
     for peel in range(PEELS + 1):
@@ -85,18 +85,6 @@ def laid_out(vertices: Array, faces: Faces, axes: Array, density: float) -> Layo
         if peel == PEELS - 1:
             beside = np.where(layer[:, None] == peel + 1, -1, beside)
     return layout
-
-
-def _neighbours(faces: Faces) -> Index:
-    """Find the face beyond every edge, (f, 3); -1 where there is none."""
-    begin, end = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
-    count = int(faces.max(initial=0)) + 1
-    forth, back = (begin * count + end).ravel(), (end * count + begin).ravel()
-    order = np.argsort(forth, kind="stable")
-    at = np.searchsorted(forth, back, sorter=order)
-    partner = order[np.minimum(at, len(order) - 1)]
-    beyond: Index = np.where(forth[partner] == back, partner // 3, -1).reshape(-1, 3)
-    return beyond
 
 
 def _labels(corners: Array, beside: Index) -> Index:

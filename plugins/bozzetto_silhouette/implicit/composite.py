@@ -84,7 +84,7 @@ class Composite(Batched):
     @property
     @override
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
         return self.operation, self.blend > 0.0
 
     @staticmethod

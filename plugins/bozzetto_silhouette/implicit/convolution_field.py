@@ -144,7 +144,8 @@ class ConvolutionField:
         level, _ = self._summed(self.summation.over(xy), height2, radius, slope=False)
         return level
 
-    def _level(self, xy: Array, height2: Array) -> Array:
+    def level(self, xy: Array, height2: Array) -> Array:
+        """Return the corrected level at points (n, 2) and squared heights."""
         correction = self.correction(xy)
         level = self.raw_level(xy, height2, correction.radius)
         corrected, _ = _guarded(level, None, height2, correction)
@@ -270,7 +271,7 @@ def with_correction(raw: ConvolutionField, rim: Rim) -> ConvolutionField:
     share = np.clip(2.0 * error / SUMMIT_ERROR - 1.0, 0.0, 1.0)
     off = np.flatnonzero((share > 0.0) & (wanted > THINNEST))
     summit = nodes.nodes[off]
-    missing = -share[off] * field_._level(summit[:, :2], wanted[off] ** 2)
+    missing = -share[off] * field_.level(summit[:, :2], wanted[off] ** 2)
     return replace(field_, summits=np.column_stack([summit, np.clip(missing, -0.5, 0.5)]))
 
 

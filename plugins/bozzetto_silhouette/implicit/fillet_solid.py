@@ -116,7 +116,7 @@ class FilletSolid(Batched):
     @property
     @override
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
         return self.solid.kind
 
     @staticmethod
@@ -139,7 +139,7 @@ class FilletSolid(Batched):
 
 
 class Shaped(NamedTuple):
-    """What bounds a fillet, at n points: it is where all three values are above 0.
+    """Bounds of a fillet at n points: it is where all three values are above 0.
 
     Attributes
     ----------

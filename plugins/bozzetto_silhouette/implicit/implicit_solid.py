@@ -71,7 +71,7 @@ class Batched(ABC):
     @property
     @abstractmethod
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
 
     @staticmethod
     @abstractmethod
@@ -89,7 +89,7 @@ class Placed(Batched):
     @property
     @override
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
         return Placed
 
     @staticmethod
@@ -99,7 +99,7 @@ class Placed(Batched):
         number = {solid: k for k, solid in enumerate(dict.fromkeys(solids))}
         placed = [solid for solid in number if isinstance(solid, Placed)]
         own = np.repeat([number[solid] for solid in solids], np.diff(ends))
-        back = np.array([solid._into for solid in placed])
+        back = np.array([solid.inward for solid in placed])
         inside = _moved(back, own, points) + back[:, :, 3].take(own, axis=0)
         inner = [solid.inner for solid in solids if isinstance(solid, Placed)]
         found = sample_each(inner, inside, ends)
@@ -123,7 +123,7 @@ class Placed(Batched):
         return self.placement.inverse()
 
     @cached_property
-    def _into(self) -> Array:
+    def inward(self) -> Array:
         """The matrix (3, 4) that takes points into the inner frame."""
         back = self._back
         turn = back.scale * np.reshape(back.rotation, (3, 3))

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Index
 from bozzetto.plugin import cached_property, override
 from bozzetto_silhouette.implicit.implicit_solid import Batched, Implicit, Sample
-from bozzetto_silhouette.inflation.sewing import plan_gradients
+from bozzetto_silhouette.inflation.closed_surface import plan_gradients
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.numerics.grid_interpolant import BORDER, Cells, Lattice, on_nodes
 from bozzetto_silhouette.outline.signed_distance import RimDistance
@@ -83,7 +83,7 @@ class Relief(Batched):
     @property
     @override
     def kind(self) -> Hashable:
-        """What solids have in common that can be sampled at once."""
+        """Key that is equal for solids that can be sampled at once."""
         return Relief
 
     @cached_property

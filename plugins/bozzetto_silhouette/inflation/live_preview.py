@@ -15,8 +15,8 @@ from bozzetto.arrays import Array, Faces
 from bozzetto.geometry import Mesh
 from bozzetto.ink import self_crossings, signed_area
 from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto_silhouette.inflation.closed_surface import sewn_shell, shell_normals
 from bozzetto_silhouette.inflation.membrane import Membrane
-from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.domain_mesh import plan_of

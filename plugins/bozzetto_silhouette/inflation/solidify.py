@@ -10,9 +10,9 @@ import numpy as np
 from bozzetto.arrays import Array, Faces
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
+from bozzetto_silhouette.inflation.closed_surface import sewn_shell, shell_normals
 from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
 from bozzetto_silhouette.inflation.manifold_check import Soundness, soundness_of
-from bozzetto_silhouette.inflation.sewing import sewn_shell, shell_normals
 from bozzetto_silhouette.inflation.thickness import Thickness, Uniform
 from bozzetto_silhouette.outline.boundary_sampling import Rim, sample_rim
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of

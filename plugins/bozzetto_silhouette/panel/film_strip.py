@@ -35,7 +35,7 @@ THINNEST: Final = 1.2
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """What the strip shows.
+    """Content of the strip.
 
     Attributes
     ----------

@@ -67,12 +67,12 @@ class Limbs:
 
     @property
     def radii(self) -> Array:
-        """Of the balls around them, (n,), mm."""
+        """Radii of the balls around them, (n,), mm."""
         return np.asarray(self.nodes[:, 2] * self.placement.scale)
 
     @property
     def numbers(self) -> slice:
-        """Of its joints in the whole rig."""
+        """Numbers of its joints in the whole rig."""
         return slice(self.first, self.first + len(self.nodes))
 
 

@@ -85,12 +85,12 @@ class SkinGraph:
 
     @cached_property
     def middles(self) -> Array:
-        """Of the edges, (e, 3)."""
+        """Middles of the edges, (e, 3)."""
         return np.asarray(0.5 * (self.places[self.a] + self.places[self.b]))
 
     @cached_property
     def real_lengths(self) -> Array:
-        """Of the edges, (e,); those of no length count as very short."""
+        """Lengths of the edges, (e,); those of no length count as very short."""
         return np.maximum(self.lengths, 1e-6 * max(float(self.lengths.max(initial=0.0)), 1e-300))
 
     @cached_property

@@ -99,7 +99,7 @@ class Assembly:
 
     @cached_property
     def lumps(self) -> tuple[Lump, ...]:
-        """What is to be united."""
+        """Solids that are to be united."""
         return self.solids + _lumps(self.loose)
 
     @cached_property

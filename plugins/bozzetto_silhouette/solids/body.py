@@ -78,7 +78,7 @@ class Body:
 
     @cached_property
     def mark(self) -> object:
-        """What stands for it where answers are remembered that do not need it any more."""
+        """Token that stands for it where answers are remembered that do not need it any more."""
         return object()
 
     @cached_property
@@ -88,7 +88,7 @@ class Body:
 
     @cached_property
     def volume(self) -> float:
-        """What the mesh encloses, mm³."""
+        """Volume that the mesh encloses, mm³."""
         return volume_of(self.vertices, self.faces)
 
     @cached_property

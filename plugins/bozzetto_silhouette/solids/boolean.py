@@ -10,8 +10,8 @@ from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.implicit.composite import signature
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.inflation.manifold_check import volume_of
-from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Operation
 from bozzetto_silhouette.numerics.grouping import connected_pieces

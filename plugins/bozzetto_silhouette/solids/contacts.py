@@ -18,8 +18,8 @@ from bozzetto_silhouette.implicit.blend import reach_by_angle
 from bozzetto_silhouette.implicit.composite import Composite, Row
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.model.state import Operation
+from bozzetto_silhouette.solids.batched_answers import each
 from bozzetto_silhouette.solids.body import Body
-from bozzetto_silhouette.solids.questions import each
 
 FELT = 2.0
 """Distance between boxes, in reaches, up to which bodies may be blended: the promise of `Implicit`

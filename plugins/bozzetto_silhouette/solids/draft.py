@@ -19,8 +19,8 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_silhouette.implicit.composite import Composite
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.inflation.manifold_check import original_numbers
-from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore
 from bozzetto_silhouette.model.state import Group, Operation, Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body, meet
@@ -82,7 +82,7 @@ class Shell(NamedTuple):
 
 
 class Drafted(NamedTuple):
-    """What is seen of a tree.
+    """Visible parts of a tree.
 
     Attributes
     ----------

@@ -16,8 +16,8 @@ from bozzetto.arrays import Array, Faces
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
 from bozzetto_silhouette.implicit.implicit_solid import Sample
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.inflation.manifold_check import soundness_of
-from bozzetto_silhouette.inflation.sewing import vertex_normals
 from bozzetto_silhouette.model.state import Cut, Part
 from bozzetto_silhouette.model.view_rays import ViewRays, view_rays_through
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim

@@ -22,9 +22,9 @@ from bozzetto_silhouette.inflation.manifold_check import as_manifold, original_n
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.numerics.isotropic_remeshing import unit
+from bozzetto_silhouette.solids.batched_answers import each
 from bozzetto_silhouette.solids.body import Body, meet, places_in
 from bozzetto_silhouette.solids.polygonize import Surface, Wanted, extracted
-from bozzetto_silhouette.solids.questions import each
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -130,7 +130,7 @@ class Blend:
 
     @cached_property
     def key(self) -> Hashable:
-        """What the fillets depend on, by the bodies: their vertices are not looked at."""
+        """Key of what the fillets depend on, by the bodies: their vertices are not looked at."""
         boxes = self.box, self.solid.first.bounds, self.solid.second.bounds
         marks = tuple(body.mark for body in self.bodies)
         return signature(self.local), marks, self.step, *(some.tobytes() for some in boxes)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto_silhouette.inflation.sewing import vertex_normals
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.fillet import Fillet
 from bozzetto_silhouette.solids.polygonize import Surface
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Remainder:
-    """What carving or intersecting left."""
+    """Remainder after carving or intersecting."""
 
     manifold: Manifold
 
@@ -38,7 +38,7 @@ class Lump(NamedTuple):
 
     @property
     def place(self) -> tuple[float, ...]:
-        """What tells lumps apart and puts them into an order that depends on no other."""
+        """Sort key of lumps, which depends on no other lump."""
         return tuple(self.box.ravel().tolist())
 
     @property

@@ -15,7 +15,7 @@ from bozzetto_silhouette.inflation.pen_pressure import PenPressure
 from bozzetto_silhouette.inflation.profile import profile_of
 from bozzetto_silhouette.inflation.solidify import Checkpoint, SilhouetteSolid, ignore, solidify
 from bozzetto_silhouette.inflation.thickness import InTurn, Thickness, Uniform
-from bozzetto_silhouette.inflation.variational import VariationalHeights
+from bozzetto_silhouette.inflation.variational_relief import VariationalHeights
 from bozzetto_silhouette.model.state import Part
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body

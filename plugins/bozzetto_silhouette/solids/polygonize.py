@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, sample_each
-from bozzetto_silhouette.inflation.sewing import vertex_normals
+from bozzetto_silhouette.inflation.closed_surface import vertex_normals
 from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 
 Nodes = NDArray[np.int64]
@@ -60,7 +60,7 @@ _SHARES = (1.0 - 0.5 * np.abs(2 * _CORNERS[:, None] - _NODES)).prod(axis=2).asty
 
 
 class Wanted(NamedTuple):
-    """What is to be polygonized; see `extract`."""
+    """Solid that is to be polygonized; see `extract`."""
 
     implicit: Implicit
     bounds: Array
@@ -159,7 +159,7 @@ def _chunks(
 
 
 class _Cut(NamedTuple):
-    """What marching cubes made of a lattice; `border` (v,) marks vertices at its border."""
+    """Mesh by marching cubes of a lattice; `border` (v,) marks vertices at its border."""
 
     vertices: Array
     faces: Faces

@@ -23,7 +23,7 @@ from bozzetto_silhouette.numerics.isotropic_remeshing import (
     relaxed,
     unit,
 )
-from bozzetto_silhouette.solids.questions import each
+from bozzetto_silhouette.solids.batched_answers import each
 
 SLIVER = 0.5
 """Edges shorter than this share of the spacing are collapsed."""

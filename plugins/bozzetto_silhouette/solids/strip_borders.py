@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Flags, Index
-from bozzetto_silhouette.numerics.grouping import connected_pieces
+from bozzetto_silhouette.numerics.grouping import connected_pieces, face_neighbours
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.contacts import Apart, Contact, Pair
 from bozzetto_silhouette.solids.strip_nets import Net, net_of
@@ -73,9 +73,9 @@ def _cut(net: Net, pairs: list[Pair]) -> tuple[Index, list[Border]]:
     if not gone.any():
         return np.concatenate([net.rest, net.faces]), []
     count = len(net.vertices)
-    near: _Near | None = None
+    near: NearFaces | None = None
     for _ in range(PEELINGS):
-        near = near or _Near.of(net.faces, gone, count)
+        near = near or NearFaces.of(net.faces, gone, count)
         rows, faces, inner, beside = near
         out = gone[rows]
         bordering = ~out[:, None] & (beside >= 0) & out[beside]
@@ -98,7 +98,7 @@ def _cut(net: Net, pairs: list[Pair]) -> tuple[Index, list[Border]]:
     return np.concatenate([net.rest, net.faces[~gone]]), borders
 
 
-class _Near(NamedTuple):
+class NearFaces(NamedTuple):
     """The faces near where a mesh ends.
 
     Attributes
@@ -118,7 +118,7 @@ class _Near(NamedTuple):
     beside: Index
 
     @classmethod
-    def of(cls, faces: Index, gone: Flags, count: int) -> _Near:
+    def of(cls, faces: Index, gone: Flags, count: int) -> NearFaces:
         """Find the faces (f, 3) near those that are gone (f,), of a mesh of `count` vertices."""
         left, taken = np.zeros((2, count), bool)
         left[faces[~gone]] = True
@@ -126,7 +126,7 @@ class _Near(NamedTuple):
         inner = left & taken
         inner[faces[inner[faces].any(axis=1)]] = True
         rows = np.flatnonzero(inner[faces].any(axis=1))
-        return cls(rows, faces[rows], inner, _neighbours(faces[rows], count))
+        return cls(rows, faces[rows], inner, face_neighbours(faces[rows], count))
 
 
 def _covered(net: Net, pairs: list[Pair]) -> Flags:
@@ -149,16 +149,6 @@ def _covered(net: Net, pairs: list[Pair]) -> Flags:
         raise Apart(*(pairs[k].ends for k in np.unique(net.pair[doubtful])))
     covered[rows[~entered[piece[corners[:, 0]]]]] = False
     return covered
-
-
-def _neighbours(faces: Index, count: int) -> Index:
-    """Return the face (f, 3) on the other side of each edge; -1 where there is none."""
-    a, b = faces, faces[:, [1, 2, 0]]
-    along, against = (a * count + b).ravel(), (b * count + a).ravel()
-    order = np.argsort(along)
-    place = np.minimum(np.searchsorted(along[order], against), len(along) - 1)
-    found = np.where(along[order[place]] == against, order[place] // 3, -1)
-    return np.asarray(found.reshape(-1, 3))
 
 
 def _walked(net: Net, pairs: list[Pair], begin: Index, end: Index, number: Index) -> list[Border]:

@@ -50,7 +50,7 @@ Piece = tuple[Lump, ...]
 
 
 class _Change(NamedTuple):
-    """What a union with other solids changes of a mesh, the base.
+    """Changes of a mesh, the base, by a union with other solids.
 
     Attributes
     ----------

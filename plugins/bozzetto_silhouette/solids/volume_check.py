@@ -1,4 +1,4 @@
-"""What set operations allow: checks of a result before anybody builds on it."""
+"""Checks of the result of a set operation, before anybody builds on it."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto.ink import Stroke
 from bozzetto.view import triple
-from bozzetto_symmetry.editing.replay import snapped
+from bozzetto_symmetry.editing.edit_sequence import snapped
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.perspective import pixel_size

@@ -56,7 +56,7 @@ it is slow, and a curve follows half of it."""
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What holds a curve besides the ink.
+    """Terms that hold a curve besides the ink.
 
     Attributes
     ----------

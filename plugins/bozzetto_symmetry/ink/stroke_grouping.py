@@ -111,7 +111,7 @@ def group_strokes(lines: Sequence[Array], *, apart: bool = False) -> list[list[i
     groups are left, those are united that continue or accompany one another best. The last
     two are united only where nothing else can be meant: the two sides of a pair may be as
     near to one another as the strokes of a scribble, and the halves of a curve across the
-    plane continue one another. `bozzetto_symmetry.interpretation.reader`
+    plane continue one another. `bozzetto_symmetry.interpretation.side_reading`
     decides what two groups mean.
 
     Parameters

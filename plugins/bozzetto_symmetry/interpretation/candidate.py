@@ -13,7 +13,7 @@ from bozzetto.ink import arc_length
 from bozzetto.plugin import cached_property
 from bozzetto_symmetry.ink.polyline import interpolate
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, strays
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace, strays
 from bozzetto_symmetry.stereo.correspondence import Pairing
 
 Kind = Literal["pair", "self", "plane", "half"]

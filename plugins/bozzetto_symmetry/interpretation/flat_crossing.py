@@ -25,8 +25,8 @@ from bozzetto_symmetry.interpretation.mirrored_ink import (
     equations,
 )
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace
 from bozzetto_symmetry.interpretation.straight_crossing import end_of
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import FIGURES, BowedPlane
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
@@ -142,21 +142,21 @@ def flattened(
 
 
 def _told(
-    stereo: Stereo, near: Array, ink: InkLine, half: HalfInSpace, best: _Plane, most: float
-) -> _Plane | None:
+    stereo: Stereo, near: Array, ink: InkLine, half: HalfInSpace, best: FittedPlane, most: float
+) -> FittedPlane | None:
     """Return the plane that the ink tells, or a bowed one where a plane does not explain it."""
     flat = _off(stereo, ink, best) <= most
     gain = _gain_of_a_bow(best.rest, best.columns)
     if flat and gain < UNLIKELY:
-        return _aligned(stereo, near, ink, best)
+        return aligned(stereo, near, ink, best)
     middle = float(np.mean(half.points @ best.surface.along))
     bowed = _settled(stereo, near, ink, replace(best.surface, middle=middle), FIGURES)
     if flat and gain <= CONTRADICTED:
-        return _doubted(_aligned(stereo, near, ink, best), bowed, gain)
+        return doubted(aligned(stereo, near, ink, best), bowed, gain)
     return bowed if bowed is not None and _off(stereo, ink, bowed) <= BOWED else None
 
 
-def _doubted(plane: _Plane, bowed: _Plane | None, gain: float) -> _Plane:
+def doubted(plane: FittedPlane, bowed: FittedPlane | None, gain: float) -> FittedPlane:
     """Return a plane with the doubt that the curve bows out of it after all.
 
     The two are a mixture, each with its share of the odds: its variance holds that of either, and
@@ -173,7 +173,7 @@ def _doubted(plane: _Plane, bowed: _Plane | None, gain: float) -> _Plane:
 
 def _facing(
     stereo: Stereo, folding: Folding, near: Array, ink: InkLine, size: float, most: float
-) -> tuple[_Plane, ...]:
+) -> tuple[FittedPlane, ...]:
     """Return a level and an upright plane, where the ink allows them.
 
     The search begins at the crossing, and at the ends, which are each other's mirror images: those
@@ -202,7 +202,7 @@ def _facing(
 
 
 @dataclass(frozen=True, eq=False)
-class _Plane:
+class FittedPlane:
     """A surface in which a line may lie, and what the ink says of it.
 
     Attributes
@@ -239,7 +239,7 @@ class _Plane:
 
     @property
     def information(self) -> Array:
-        """What a hand of 1 px and the axis say of the figures that are free, (k, k)."""
+        """Information of a hand of 1 px and of the axis about the free figures, (k, k)."""
         moves = self.columns[:, : self.free]
         told = moves.T @ moves * (MEASURES / len(self.rest)) / 2.0
         if self.axis is not None:
@@ -289,7 +289,7 @@ def _settled(
     start: BowedPlane,
     free: int,
     axis: float | None = None,
-) -> _Plane | None:
+) -> FittedPlane | None:
     """Return the surface nearest to a start that explains the ink best by its first figures."""
     surface, size = start, start.size
     made = equations(stereo, near, ink, None, surface)
@@ -316,10 +316,10 @@ def _settled(
         made = equations(stereo, near, ink, ink.nearest(images), surface)
         if np.abs(step).max() < SETTLED:
             break
-    return None if made is None else _Plane(surface, made[0], made[1], free, axis)
+    return None if made is None else FittedPlane(surface, made[0], made[1], free, axis)
 
 
-def _aligned(stereo: Stereo, near: Array, ink: InkLine, plane: _Plane) -> _Plane:
+def aligned(stereo: Stereo, near: Array, ink: InkLine, plane: FittedPlane) -> FittedPlane:
     """Return a plane that is level or upright where the ink may well mean that, else itself.
 
     Of a plane that is not, any angle is as likely as any other; so the odds are those of a normal
@@ -352,7 +352,7 @@ def _plane_through(half: HalfInSpace) -> tuple[float, float] | None:
     return float(np.arctan2(normal[1], normal[0])), float(normal @ middle)
 
 
-def _off(stereo: Stereo, ink: InkLine, plane: _Plane) -> float:
+def _off(stereo: Stereo, ink: InkLine, plane: FittedPlane) -> float:
     """Return how far the ink is from its mirror image, all of it or the matched half (rms, px).
 
     A line that is folded at a wrong place has ink that the halves have no part in.

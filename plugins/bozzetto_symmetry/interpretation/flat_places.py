@@ -12,7 +12,7 @@ from bozzetto.ink import resample
 from bozzetto_symmetry.interpretation.folding import Folding
 from bozzetto_symmetry.interpretation.mirrored_ink import CARELESS, ENDS, InkLine
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.bowed_plane import BowedPlane
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
@@ -146,11 +146,11 @@ def _of_all(
         return pairing
     return replace(
         pairing, near=near, stations=stations, far_stations=far_stations,
-        coverage=(_covered(stations), _covered(far_stations)),
+        coverage=(coverage_of(stations), coverage_of(far_stations)),
     )  # fmt: skip
 
 
-def _covered(stations: Array) -> float:
+def coverage_of(stations: Array) -> float:
     """Return the share of a half that has partners, from the crossing on.
 
     Where the nearest place leaps along a half, as where a leg runs back beside it, what lies

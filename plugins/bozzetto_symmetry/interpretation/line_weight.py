@@ -1,4 +1,4 @@
-"""What the weight of a line says about which parts of two loops are nearer to the eye.
+"""Depth order of two loops by the weight of their lines.
 
 Two loops match in two senses, and each sense places them aslant in another way. As wholes they are
 as far away in either, so it says nothing which of them was drawn first or more firmly. Within a

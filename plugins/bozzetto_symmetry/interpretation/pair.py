@@ -17,7 +17,7 @@ from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, ma
 from bozzetto_symmetry.interpretation.line_weight import weight_prices
 from bozzetto_symmetry.interpretation.partial_pairing import partial_pairings
 from bozzetto_symmetry.interpretation.side_pairing import pairings
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 

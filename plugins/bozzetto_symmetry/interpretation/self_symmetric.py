@@ -16,8 +16,8 @@ from bozzetto_symmetry.interpretation.candidate import TELL, Candidate, Read, ma
 from bozzetto_symmetry.interpretation.flat_crossing import flattened
 from bozzetto_symmetry.interpretation.folding import Folding, foldings
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.interpretation.straight_crossing import as_bar, is_bowed
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace, triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
 

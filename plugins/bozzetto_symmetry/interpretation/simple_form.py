@@ -81,7 +81,7 @@ class SimpleForm:
             )
             for sides in (np.ones(3), MIRROR)
         )
-        known = _information(one, other, _alike(near, far))
+        known = information_of_two(one, other, _alike(near, far))
         rays = stereo.rays(near).directions
         slope = (rays * steep).sum(axis=1)
         way = rays - (rays * along).sum(axis=1, keepdims=True) * along
@@ -103,7 +103,7 @@ def _alike(near: Array, far: Array) -> Array:
     return np.asarray(np.exp(-((apart / max(2.0 * reach, 1e-9)) ** 2)))
 
 
-def _information(one: Array, other: Array, alike: Array) -> Array:
+def information_of_two(one: Array, other: Array, alike: Array) -> Array:
     """Return what two measurements of one figure say whose errors are alike, 1/mm² for 1 px.
 
     Parameters

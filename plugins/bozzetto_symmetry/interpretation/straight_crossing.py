@@ -16,7 +16,7 @@ from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.interpretation.candidate import Candidate, Read
 from bozzetto_symmetry.interpretation.mirrored_ink import CONTRADICTED, USUAL
 from bozzetto_symmetry.interpretation.simple_form import SimpleForm
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.degeneracies import intersect_rays
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 

@@ -19,7 +19,7 @@ from bozzetto.ink import resample
 from bozzetto.view import Rays
 from bozzetto_symmetry.ink.sides import Side
 from bozzetto_symmetry.interpretation.candidate import OUTSIDE, Read, price
-from bozzetto_symmetry.interpretation.triangulation import HalfInSpace
+from bozzetto_symmetry.interpretation.stereo_triangulation import HalfInSpace
 from bozzetto_symmetry.stereo.dynamic_time_warping import Warping, warpings
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import image_slopes, sigmas

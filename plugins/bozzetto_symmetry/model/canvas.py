@@ -1,4 +1,4 @@
-"""What curves are drawn on: a plane, or the surface of another object."""
+"""Canvas of curves: a plane, or the surface of another object."""
 
 from __future__ import annotations
 

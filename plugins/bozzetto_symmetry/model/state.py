@@ -286,7 +286,7 @@ class SymmetryState(PartsState):
 
     @property
     def forces(self) -> SnakeForces:
-        """What pulls curves that are drawn over, and what resists."""
+        """Forces on curves that are drawn over, and what resists them."""
         return SnakeForces(self.restitution, self.location, self.pressure)
 
     @property

@@ -20,7 +20,7 @@ from bozzetto.plugin import Context
 from bozzetto.scene import Layer, Lines
 from bozzetto.view import Camera, triple
 from bozzetto_symmetry.model.axes import AXES, along
-from bozzetto_symmetry.model.grid import clip_to_box
+from bozzetto_symmetry.model.box_grid import clip_to_box
 from bozzetto_symmetry.model.perspective import focal_length, pixel_size, toward_vanishing
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import Point
@@ -78,7 +78,7 @@ or an edge, a place of a surface."""
 
 @dataclass(frozen=True, eq=False)
 class _Anchor:
-    """What lies under an end of the stroke, and how much it counts."""
+    """Anchor under an end of the stroke, and how much it counts."""
 
     point: Array
     rank: int

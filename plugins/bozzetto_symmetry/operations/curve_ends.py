@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
-from bozzetto_symmetry.editing.replay import apply_edit
+from bozzetto_symmetry.editing.edit_sequence import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Edit, Joint, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import solve_curve

@@ -1,4 +1,4 @@
-"""What the ends of a curve snap to while it is drawn, and the axis that it runs along."""
+"""Snaps of the ends of a curve while it is drawn, and the axis that it runs along."""
 
 from __future__ import annotations
 

@@ -16,16 +16,16 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline
 from bozzetto.plugin import cached_property, remembered
+from bozzetto_symmetry.editing.edit_sequence import apply_edits
 from bozzetto_symmetry.editing.end_snaps import with_end_snaps
-from bozzetto_symmetry.editing.replay import apply_edits
 from bozzetto_symmetry.fitting.bundle_adjustment import Controls, Sight, adjust_bundle
 from bozzetto_symmetry.fitting.multi_view_fusion import Estimate, fuse
 from bozzetto_symmetry.fitting.normal_equations import NO_PLANES
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
-from bozzetto_symmetry.ink.same_view import by_view
 from bozzetto_symmetry.ink.sides import Side, sides_of
+from bozzetto_symmetry.ink.stroke_views import by_view
 from bozzetto_symmetry.interpretation.candidate import Read
-from bozzetto_symmetry.interpretation.reader import Reader
+from bozzetto_symmetry.interpretation.side_reading import Reader
 from bozzetto_symmetry.interpretation.view_pairing import is_whole_pair, pair_across
 from bozzetto_symmetry.model.canvas import Canvas, LaidInk
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState

@@ -1,4 +1,4 @@
-"""What a person is told of a curve that may have been meant otherwise, or lies off its ink."""
+"""Notices about a curve that may have been meant otherwise, or lies off its ink."""
 
 from __future__ import annotations
 

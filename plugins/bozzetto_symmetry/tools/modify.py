@@ -11,7 +11,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline, is_one_view, on_canvas
 from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Scene
-from bozzetto_symmetry.editing.replay import apply_edit
+from bozzetto_symmetry.editing.edit_sequence import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Edit, Modification, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import solve_curve

@@ -12,8 +12,8 @@ from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
 from bozzetto.scene import Layer, Points, Scene
 from bozzetto.view import triple
 from bozzetto_symmetry.model.axes import along
+from bozzetto_symmetry.model.box_grid import grid_step
 from bozzetto_symmetry.model.canvas import DrawingPlane
-from bozzetto_symmetry.model.grid import grid_step
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.drawing_planes import Touched, plane_of_touches, touched
 from bozzetto_symmetry.tools.erase import ErasingTool

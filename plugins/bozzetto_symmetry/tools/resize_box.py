@@ -13,8 +13,8 @@ from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, along
+from bozzetto_symmetry.model.box_grid import grid_step
 from bozzetto_symmetry.model.facts import FARTHEST, SIZE_LIMITS, SYMMETRIES
-from bozzetto_symmetry.model.grid import grid_step
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.tools.erase import ErasingTool
 from bozzetto_symmetry.view.box import BOX_TOOL, CENTRE, FACES, box_layers

@@ -13,7 +13,7 @@ from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Paint, Shaded
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
 from bozzetto_symmetry.model.box_geometry import box_edges, plane_foot, plane_outline
-from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
+from bozzetto_symmetry.model.box_grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.model.state import SymmetryState
 
 BOX_TOOL: Final = "box"

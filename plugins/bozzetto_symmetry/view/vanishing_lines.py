@@ -1,4 +1,4 @@
-"""What depends on the view: grids of the back walls, and lines to the vanishing points."""
+"""Layers that depend on the view: grids of the back walls, and lines to the vanishing points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bozzetto.scene import Item, Label, Layer, Lines, Paint, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS, receding
 from bozzetto_symmetry.model.box_geometry import box_edges
-from bozzetto_symmetry.model.grid import Grid, grid_in_box, grid_step
+from bozzetto_symmetry.model.box_grid import Grid, grid_in_box, grid_step
 from bozzetto_symmetry.model.perspective import vanishing_point
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.view.box import (

@@ -24,6 +24,7 @@ from bozzetto_app.canvas.viewport.protocol import choose_backend
 from bozzetto_app.canvas.viewport.software import SoftwareViewport
 from bozzetto_app.session.notices import Notice
 from bozzetto_app.settings import settings
+from tests.app.seen import darkness
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom", "three-quarter")
 
@@ -87,12 +88,29 @@ def test_the_view_tilts_from_where_it_has_gone_to_the_shape(session, canvas, qtb
     assert session.view.camera == there
 
 
+def test_the_view_tilts_from_where_it_goes_along(session, canvas, qtbot):
+    """Advice on the first solid came while the view tilted, which it did not follow then."""
+    session.advice.may_follow = True
+    session.solver.settled.emit("m1")
+    qtbot.wait(50)
+    assert not canvas.motion.is_running
+    there = standard_view(session.view.camera, "right")
+    session.view.set_camera(there)
+    session.advice.may_follow = False
+    qtbot.waitUntil(lambda: canvas.motion.is_running, timeout=3000)
+    arrived(canvas, qtbot)
+    assert session.view.camera == there
+
+
 def test_the_first_shape_does_not_tilt_where_a_picture_comes(session, canvas, qtbot):
     """It was about to when the view had gone to the picture before the sheet was told."""
     session.scene.busy = True
     session.pictures.taken.emit("m1")
     session.solver.settled.emit("m1")
-    canvas._pictured = ""  # the view has gone there
+    session.drawing.document = Document((Model("m1", "Sketch", "test.sketch", None),))
+    session.selection.id = "m1"
+    session.advice.about = session.selection.model
+    session.advice.changed.emit()  # the view has gone there
     session.scene.busy = False
     qtbot.wait(50)
     assert not canvas.motion.is_running
@@ -111,10 +129,11 @@ def test_no_tilt_interrupts_a_view_on_its_way(session, canvas, qtbot):
 def test_the_ink_of_a_replay_is_shown_with_what_waits(session, canvas):
     stroke = Stroke([10.0, 60.0, 90.0], [10.0, 20.0, 70.0], camera=session.view.camera)
     canvas.waiting.follow(stroke)
-    ((ink,),) = (shown.lines for shown in canvas.overlay._pending_ink)
-    assert np.allclose((ink[0][:2], ink[-1][:2]), ((10, 10), (90, 70)))
+    down, across = np.nonzero(darkness(canvas.overlay) > 0.2)
+    assert np.allclose((across.min(), down.min()), (10, 10), atol=4)
+    assert np.allclose((across.max(), down.max()), (90, 70), atol=4)
     canvas.waiting.follow(None)
-    assert canvas.overlay._pending_ink == []
+    assert not darkness(canvas.overlay).any()
 
 
 def test_the_tilt_is_a_setting(session, canvas):
@@ -322,8 +341,8 @@ def test_the_hint_fades_with_the_first_ink(canvas, pen, qtbot):
 def test_places_of_a_notice_are_lit_and_a_plain_hint_does_not_put_them_out(session, canvas):
     session.notices.noticed.emit(Notice("error", "It crosses itself here.", ((100.0, 120.0),)))
     session.hints.say("Draw a closed outline.")
-    assert canvas.overlay.lit_places == ((100.0, 120.0),)
-    assert canvas.overlay._lit.words == "It crosses itself here."
+    assert canvas.overlay.lit.places == ((100.0, 120.0),)
+    assert canvas.overlay.lit.words == "It crosses itself here."
 
 
 def test_lifted_ink_stays_while_it_is_pending(session, canvas, pen):
@@ -502,14 +521,20 @@ def test_opengl_that_does_not_come_leaves_the_software_viewport(qtbot, session, 
 
 def test_opengl_is_imported_when_no_class_of_qt_is_left_to_be_made(qtbot, session, monkeypatch):
     """Else the worker that imports it and the window would make some at the same time."""
-    left = []
+    left, opengl = [], "bozzetto_app.canvas.viewport.opengl"
 
-    def import_nothing(job):
-        left.append([name for name in dir(QtWidgets) if name not in vars(QtWidgets)])
-        raise ImportError("left out")
+    class NoOpenGL:
+        """Finds no module for OpenGL, and looks what is left to be made when it is asked."""
+
+        @staticmethod
+        def find_spec(name, path=None, target=None):
+            if name == opengl:
+                left.append([name for name in dir(QtWidgets) if name not in vars(QtWidgets)])
+                raise ImportError("left out")
 
     monkeypatch.setenv("BOZZETTO_VIEWPORT", "gl")
-    monkeypatch.setattr("bozzetto_app.canvas.viewport.switching._import_gl", import_nothing)
+    monkeypatch.delitem(sys.modules, opengl, raising=False)
+    monkeypatch.setattr(sys, "meta_path", [NoOpenGL, *sys.meta_path])
     canvas = Canvas(session, LIGHT)
     qtbot.addWidget(canvas)
     canvas.show()

@@ -18,6 +18,7 @@ from PySide6.QtGui import QImage, QPainter
 import bozzetto_app
 from bozzetto.scene import LIGHT, Handle, Label, Layer, Scene
 from bozzetto.view.camera import Camera
+from bozzetto_app.canvas.overlay.wet_ink import PendingInk
 from bozzetto_app.canvas.screen_limits import (
     FARTHEST,
     inside_runs,
@@ -125,8 +126,8 @@ def test_waiting_ink_is_painted_at_any_zoom(canvas, pen, session):
         camera = Camera("orthographic", (0.0, -500.0, 0.0), height=height, viewport=(800.0, 600.0))
         canvas.overlay.set_pending([stroke], camera)
         canvas.grab()
-        runs = [run for shown in canvas.overlay._pending_ink for run in shown.lines]
-        assert all(is_inside(x, y) for run in runs for x, y, _ in run)
+        lines = PendingInk.of(stroke, camera).lines
+        assert all(is_inside(x, y) for line in lines for x, y, _ in line)
 
 
 def test_handles_and_labels_that_are_far_away_are_left_out(qapp):

@@ -13,6 +13,7 @@ from bozzetto_app.actions.registry import Action, ActionRegistry
 from bozzetto_app.dialogs.command_palette import FOUND, CommandPalette
 from bozzetto_app.dialogs.palette_entries import entries_of
 from tests.app import fake_session as fakes
+from tests.app.seen import words
 
 
 @pytest.fixture
@@ -151,7 +152,7 @@ def test_escape_closes_and_nothing_happens(palette, done):
 
 def test_nothing_found_is_said(palette, done):
     QTest.keyClicks(palette.field, "qqq")
-    assert palette._nothing.isVisible()
+    assert "Nothing has that name." in words(palette)
     QTest.keyClick(palette.field, Qt.Key.Key_Return)
     assert done == []
 

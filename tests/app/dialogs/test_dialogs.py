@@ -8,7 +8,7 @@ from collections import deque
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, QTimer
 from PySide6.QtGui import QGuiApplication, QInputDevice, QPointingDevice, QTabletEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QMainWindow, QPushButton
@@ -23,11 +23,13 @@ from bozzetto_app.dialogs.pen_pad import rate_of
 from bozzetto_app.dialogs.pen_tester import PRESSURE_CURVE, PenTester
 from bozzetto_app.dialogs.plugin_manager import PluginManager
 from bozzetto_app.dialogs.preferences import BACKUPS, RECENT, THEME, PreferencesDialog
+from bozzetto_app.dialogs.pressure_editor import MARGIN
 from bozzetto_app.dialogs.recovery import RecoveryDialog
 from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme
 from bozzetto_app.widgets.toggle import Toggle
+from tests.app.seen import button, part
 
 
 @pytest.fixture
@@ -150,9 +152,10 @@ def test_what_could_not_be_opened_is_offered_again(offer, asked):
 
 
 @pytest.mark.parametrize("sure", [True, False])
-def test_nothing_is_discarded_by_who_is_not_sure(offer, asked, monkeypatch, sure):
-    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: sure)
+def test_nothing_is_discarded_by_who_is_not_sure(offer, asked, sure):
     dialog = offer()
+    answer = "Discard" if sure else "Keep"
+    QTimer.singleShot(0, lambda: button(part(dialog, "discard"), answer).click())
     next(b for b in dialog.findChildren(QPushButton) if b.text() == "Discard…").click()
     assert [verb for verb, *_ in asked] == ["discard"] * sure
 
@@ -205,7 +208,7 @@ def test_details_show_plain_text(shown):
 def test_the_theme_is_kept_and_told(qtbot, shown):
     dialog = shown(PreferencesDialog())
     with qtbot.waitSignal(dialog.theme_chosen) as chosen:
-        dialog.theme._buttons["dark"].click()
+        button(dialog.theme, "Dark").click()
     assert chosen.args == [Theme.DARK]
     assert settings().value(THEME) == "dark"
 
@@ -278,17 +281,22 @@ def pen_event(kind, device, widget, x, pressure, tilt):
     QApplication.sendEvent(widget, event)
 
 
+def value(dialog, name):
+    """What the label says that a screen reader calls so."""
+    (label,) = (one for one in dialog.findChildren(QLabel) if one.accessibleName() == name)
+    return label.text()
+
+
 def test_the_tester_says_what_the_pen_says(shown, pen):
     dialog = shown(PenTester())
     pad = dialog.pad
     pen_event(QEvent.Type.TabletPress, pen, pad, 50, 0.25, 30.0)
     for x in range(60, 160, 10):
         pen_event(QEvent.Type.TabletMove, pen, pad, x, 0.75, 30.0)
-    values = {key: label.text() for key, label in dialog._values.items()}
-    assert values["device"] == "Test pen"
-    assert values["tool"] == "pen"
-    assert values["pressure"] == "0.750"
-    assert values["tilt"] == "30°, -12°"
+    assert value(dialog, "Device") == "Test pen"
+    assert value(dialog, "Tool") == "pen"
+    assert value(dialog, "Pressure") == "0.750"
+    assert value(dialog, "Tilt") == "30°, -12°"
     ink = pad.grab().toImage()
     middle = ink.pixelColor(100, 50)
     assert middle.lightness() != ink.pixelColor(100, 150).lightness(), "there is ink"
@@ -297,7 +305,7 @@ def test_the_tester_says_what_the_pen_says(shown, pen):
 def test_a_mouse_has_no_pressure(shown):
     dialog = shown(PenTester())
     QTest.mousePress(dialog.pad, Qt.MouseButton.LeftButton, pos=QPoint(40, 40))
-    assert dialog._values["pressure"].text() == "none"
+    assert value(dialog, "Pressure") == "none"
 
 
 @pytest.mark.parametrize("rate", [60, 133, 250])
@@ -312,7 +320,7 @@ def test_the_rate_is_counted(rate):
 def test_the_curve_is_bent_kept_and_told(qtbot, shown):
     dialog = shown(PenTester())
     editor = dialog.editor
-    room = editor._room()
+    room = QRectF(editor.rect()).adjusted(MARGIN, MARGIN, -MARGIN, -MARGIN)
     aim = QPointF(room.left() + room.width() * 0.5, room.bottom() - room.height() * 0.75)
     with qtbot.waitSignal(dialog.curve_changed) as told:
         QTest.mousePress(editor, Qt.MouseButton.LeftButton, pos=aim.toPoint())

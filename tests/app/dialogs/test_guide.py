@@ -9,6 +9,7 @@ from PySide6.QtTest import QTest
 
 from bozzetto_app.dialogs.guide import GuideDialog
 from bozzetto_app.dialogs.guide_pages import FIRST_PAGE
+from tests.app.seen import button
 
 
 @pytest.fixture
@@ -53,7 +54,7 @@ def test_nothing_outside_the_guide_is_read(guide, tmp_path):
     kind = QTextDocument.ResourceType.ImageResource.value
     for name in (f"file://{tmp_path}/strange.png", "../../etc/passwd", "nowhere.png"):
         assert guide.text.loadResource(kind, QUrl(name)) is None
-    guide.text._follow(QUrl("../pyproject.toml"))
+    guide.text.anchorClicked.emit(QUrl("../pyproject.toml"))
     assert guide.text.page == FIRST_PAGE
 
 
@@ -68,19 +69,19 @@ def test_a_part_of_the_list_is_gone_to(guide):
 
 
 def test_links_lead_to_headings_pages_and_back_and_the_web_opens_elsewhere(guide, monkeypatch):
-    guide.text._follow(QUrl("#surfaces-and-curves-for-cad"))
+    guide.text.anchorClicked.emit(QUrl("#surfaces-and-curves-for-cad"))
     assert guide.text.textCursor().block().text() == "Surfaces and curves for CAD"
     guide.text.anchorClicked.emit(QUrl("car.md#marks-files-marks_file"))
     assert guide.text.page == "car.md"
     assert guide.text.textCursor().block().text().startswith("Marks files")
     assert guide.contents.item(0).toolTip() != "The guide"
-    assert guide._back.isVisible()
-    guide._back.click()
+    assert button(guide, "Back to the guide").isVisible()
+    button(guide, "Back to the guide").click()
     assert guide.text.page == FIRST_PAGE
-    assert not guide._back.isVisible()
+    assert not button(guide, "Back to the guide").isVisible()
     opened = []
     monkeypatch.setattr(QDesktopServices, "openUrl", opened.append)
-    guide.text._follow(QUrl("https://example.org/"))
+    guide.text.anchorClicked.emit(QUrl("https://example.org/"))
     assert [url.host() for url in opened] == ["example.org"]
 
 

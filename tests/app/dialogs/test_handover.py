@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox
 from bozzetto.exchange.handover import Handover
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto_app.dialogs.handover import HandoverDialog
+from bozzetto_app.session.exchange import Foreseen
 
 
 def block(x):
@@ -163,9 +164,9 @@ def test_nothing_moves_under_the_pointer_when_the_answer_comes(window, qtbot):
     before = places()
     choose(dialog, "stl", "glb")
     ready(qtbot, dialog)
-    dialog.warning.setText("What is said of the file.")
-    dialog.warning.show()
-    dialog._grow()
+    said = Foreseen((1.0, 2.0, 3.0), 12, ((".glb", 100),), ("What is said of the file.",))
+    window.session.files.exchange.foreseen.emit(said)
+    assert dialog.warning.isVisible()
     qtbot.wait(50)
     assert places() == before
     assert dialog.warning.height() >= dialog.warning.heightForWidth(dialog.warning.width())
@@ -175,15 +176,13 @@ def test_on_a_low_screen_it_says_that_there_are_warnings_below(window, qtbot, mo
     from PySide6.QtCore import QRect
     from PySide6.QtGui import QScreen
 
-    from bozzetto_app.session.exchange import Foreseen
-
     seen = Foreseen((1.0, 2.0, 3.0), 12, ((".stl", 100),), ("The walls are thin.",))
     for size, is_told in (((1280, 1400), False), ((683, 384), True)):
         free = QRect(0, 0, *size)
         monkeypatch.setattr(QScreen, "availableGeometry", lambda _, free=free: free)
         dialog = opened(window)
         ready(qtbot, dialog)
-        dialog._show(seen)
+        window.session.files.exchange.foreseen.emit(seen)
         assert dialog.is_scrolled is is_told
         assert ("below" in dialog.state.text()) is is_told
         assert dialog.state.height() >= dialog.state.heightForWidth(dialog.state.width())

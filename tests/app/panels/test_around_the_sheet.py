@@ -395,7 +395,7 @@ def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session):
     assert status.faults.isVisible()
     assert "Silhouette stopped" in " ".join(x.text() for x in status.faults.findChildren(QLabel))
     with qtbot.waitSignal(status.details_wanted) as asked:
-        status.faults._details.click()
+        button(status.faults, "Details").click()
     assert asked.args == [notice]
     assert part(status, "status-words").text() == fake_session.hints.step.sentence, "the hint stays"
 
@@ -403,7 +403,7 @@ def test_a_fault_says_who_and_offers_details(qtbot, status, fake_session):
 def test_a_fault_can_be_switched_off(qtbot, status, fake_session):
     fake_session.notices.noticed.emit(fault())
     with qtbot.waitSignal(status.switched_off) as off:
-        status.faults._switch_off.click()
+        part(status.faults, "fault-switch-off").click()
     assert off.args == ["b.s"]
     assert fake_session.registry.disabled == {"b.s": True}
     assert not status.faults.isVisible()

@@ -63,7 +63,8 @@ def test_panels_that_were_hidden_are_as_high_as_before(make_window, settle, qtbo
     Stylus(window.canvas).draw([(400, 300), (460, 300), (430, 360), (400, 301)])
     settle(window.session, window.keeper)
     qtbot.wait(200)
-    window.docks._resize((150, 400, 160))
+    column = [part(window, f"dock-{name}") for name in ("objects", "parameters", "history")]
+    window.resizeDocks(column, [150, 400, 160], Qt.Orientation.Vertical)
     qtbot.wait(200)
     before = window.docks.ends
     for _ in range(3):

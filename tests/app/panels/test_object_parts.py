@@ -15,6 +15,7 @@ from bozzetto.errors import UserError
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import entries_of, place_of_drop
 from tests.app import fake_session as fakes
+from tests.app.seen import button
 
 
 @pytest.fixture
@@ -100,7 +101,8 @@ def test_what_is_drawn_takes_the_choice_from_the_others(panel, fake_session):
         fake_session.drawing.changed.emit()
         chosen = [panel.list.row(item) for item in panel.list.selectedItems()]
         assert chosen == [panel.list.currentRow()]
-        assert panel._current().id == name
+        (title,) = (part.name for part in tree.parts if part.id == name)
+        assert panel.list.itemWidget(panel.list.currentItem()) is widget(panel, title)
 
 
 def test_rows_say_what_their_parts_do(panel):
@@ -120,7 +122,7 @@ def test_deeds(panel, fake_session):
     editor.setText("Skull")
     QTest.keyClick(editor, Qt.Key.Key_Return)
     assert calls.named("parts.rename") == [(("m1", "n2", "Skull"), {})]
-    panel._duplicate.click()
+    button(panel, "Duplicate").click()
     assert calls.named("parts.duplicate") == [(("m1", "n2"), {})]
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert calls.named("parts.delete") == [(("m1", "n2"), {})]
@@ -219,7 +221,7 @@ def test_a_dropped_part_lands_where_it_was_let_go(source, target, on):
     tree = fakes.horse_parts()
     session_of = {"m1": tree}
     document = fakes.FakeSession(Path()).drawing.document
-    entries = list(entries_of(document, session_of.get, lambda _: True, ()))
+    entries = list(entries_of(document, lambda model: session_of.get(model.id), lambda _: True, ()))
     if target >= len(entries) and on:
         return
     part = entries[source].id
@@ -248,7 +250,9 @@ def test_a_dropped_part_lands_where_it_was_let_go(source, target, on):
 
 def test_nothing_is_moved_that_is_dropped_where_it_is(fake_session):
     tree = fakes.horse_parts()
-    entries = list(entries_of(fake_session.drawing.document, {"m1": tree}.get, lambda _: True, ()))
+    document = fake_session.drawing.document
+    trees = {"m1": tree}
+    entries = list(entries_of(document, lambda model: trees.get(model.id), lambda _: True, ()))
     gaps = ((1, 1), (1, 2), (2, 3), (4, 4), (1, 12))
     rows = ((1, 9), (3, 3), (1, 2))
     for source, target, on in (*((*g, False) for g in gaps), *((*r, True) for r in rows)):

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication, QMessageBox, QPushButton
 from shiboken6 import delete
 
@@ -21,10 +22,12 @@ from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.dialogs.recovery import RecoveryDialog
 from bozzetto_app.session.autosave import Keeper
-from bozzetto_app.session.drawing_record import State
+from bozzetto_app.session.drawing_record import DrawingRecord
+from bozzetto_app.workers.channel import Channel
 from tests.app import drawing_child
-from tests.app.tablet import circle, stroke_of
+from tests.app.tablet import circle, draw, stroke_of
 from tests.app.troublemaker import MODELER
+from tests.dead_process import left_behind
 
 ROOT = Path(__file__).parents[3]
 DEFAULT_KILLS, MANY_KILLS = 2, 30
@@ -55,15 +58,17 @@ def keep(make_session, boxes, folder, settle):
         keeper.wait()
 
 
-def crash(keeper):
-    """As if its process had died: what it kept stays, and nobody is alive in there."""
-    keeper._sheet.record._own._lock.release()
-    keeper._sheet.record._own = None
+@pytest.fixture
+def crash(folder):
+    """A function that lets the process of a keeper die: what it kept stays, held by nobody."""
 
+    def die(keeper):
+        with left_behind(folder) as left:
+            keeper.close()
+            keeper.wait()
+        assert left
 
-def draw(session, settle, *keepers, **more):
-    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
-    settle(session, *keepers)
+    return die
 
 
 def kept_strokes(folder, registry=None):
@@ -87,7 +92,7 @@ def strokes_of(state):
 # -- the journal -----------------------------------------------------------------------------------
 
 
-def test_every_stroke_is_kept_applied_or_waiting(keep, folder, settle):
+def test_every_stroke_is_kept_applied_or_waiting(keep, folder, settle, crash):
     session, keeper = keep()
     assert not list(folder.glob("*"))  # nothing was drawn: nothing is kept
     draw(session, settle, keeper)
@@ -96,7 +101,7 @@ def test_every_stroke_is_kept_applied_or_waiting(keep, folder, settle):
     assert kept_strokes(folder, session.registry) == [2]
 
 
-def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle):
+def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle, crash):
     session, keeper = keep()
     draw(session, settle, keeper)
     draw(session, settle, keeper, share=0.5)
@@ -108,38 +113,41 @@ def test_a_stroke_that_was_taken_back_is_not_kept(keep, folder, settle):
 
 def test_at_no_moment_is_a_stroke_in_neither_place(keep, settle, monkeypatch):
     session, keeper = keep()
-    totals = []
+    shown, written = [], []
 
-    def look(sheet):
-        now = sheet.last
-        if now is not None and now is not sheet.written:
-            sheet.written = now
-            taken = sum(strokes_of(m.state) for m in now.document)
-            totals.append(taken + len(now.document.waiting))
+    def strokes_in(document):
+        return sum(strokes_of(model.state) for model in document) + len(document.waiting)
 
-    monkeypatch.setattr(keeper, "_write", look)
-    session.drawing.waiting_changed.connect(lambda: look(keeper._sheet))
-    session.drawing.changed.connect(lambda: look(keeper._sheet))
+    def look():
+        shown.append(strokes_in(session.drawing.document))
+
+    monkeypatch.setattr(
+        DrawingRecord, "write", lambda record, now: written.append(strokes_in(now.document))
+    )
+    session.drawing.waiting_changed.connect(look)
+    session.drawing.changed.connect(look)
     for radius in range(40, 100, 10):
         draw(session, settle, keeper, radius=radius)
-    assert totals == sorted(totals)
-    assert totals[-1] == 6
+    for totals in (shown, written):
+        assert totals == sorted(totals)
+        assert totals[-1] == 6
 
 
-def test_a_drag_is_kept_while_it_goes_on(keep, folder, settle, qtbot):
+def test_a_drag_is_kept_while_it_goes_on(keep, crash, folder, settle, qtbot):
     """Nothing rests, so there is no other time to write it down."""
     session, keeper = keep()
     draw(session, settle, keeper)
     sizes = iter(range(20, 100_000))
+    (journal,) = folder.glob("*/journal-*")
+    before = journal.stat().st_size
 
-    def kept_size():
+    def kept():
         session.objects.set_parameter("size", 1e-3 * next(sizes) + 20.0, dragging=True)
-        written = keeper._sheet.written
-        return next(iter(written.document)).state.size
+        return journal.stat().st_size - before
 
-    qtbot.waitUntil(lambda: kept_size() > 20.0)
+    qtbot.waitUntil(lambda: kept() > 0)
     assert session.drawing.is_dragging
-    keeper._tasks.join()
+    qtbot.waitUntil(lambda: not keeper.busy)
     crash(keeper)
     store = RecoveryStore(folder)
     (crashed,) = store.crashed_sessions()
@@ -192,7 +200,7 @@ def test_a_window_that_ends_in_any_way_lets_go_of_its_drawing(keep, folder, sett
 
 
 def test_a_drawing_that_comes_back_when_its_window_is_gone_is_offered_again(
-    keep, folder, settle, qtbot, monkeypatch
+    keep, crash, folder, settle, qtbot, monkeypatch
 ):
     session, keeper = keep()
     draw(session, settle, keeper)
@@ -217,14 +225,16 @@ def test_a_drawing_that_comes_back_when_its_window_is_gone_is_offered_again(
         qtbot.waitUntil(lambda: RecoveryStore(folder).crashed_sessions() == [crashed])
 
 
-def test_what_could_not_be_written_when_it_left_is_written_later(keep, folder, settle, monkeypatch):
+def test_what_could_not_be_written_when_it_left_is_written_later(
+    keep, folder, settle, monkeypatch, crash
+):
     session, keeper = keep()
 
     def full(*_):
         raise UserError("The disk is full. Make room.")
 
     with monkeypatch.context() as patch:
-        patch.setattr(keeper._store, "begin", full)
+        patch.setattr(RecoveryStore, "begin", full)
         draw(session, settle, keeper)
         session.files.new()
         settle(session, keeper)
@@ -234,7 +244,7 @@ def test_what_could_not_be_written_when_it_left_is_written_later(keep, folder, s
     assert kept_strokes(folder, session.registry) == [1, 1]
 
 
-def test_what_is_drawn_while_a_save_is_under_way_is_kept_too(keep, folder, settle, tmp_path):
+def test_what_is_drawn_while_a_save_is_under_way_is_kept_too(keep, folder, settle, tmp_path, crash):
     session, keeper = keep()
     draw(session, settle, keeper)
     session.files.save(tmp_path / "a.bozz")
@@ -248,7 +258,7 @@ def test_what_is_drawn_while_a_save_is_under_way_is_kept_too(keep, folder, settl
 
 
 def test_recovering_shows_the_drawing_unsaved_and_forgets_the_old_data_only_then(
-    keep, folder, settle
+    keep, crash, folder, settle
 ):
     session, keeper = keep()
     draw(session, settle, keeper)
@@ -269,7 +279,7 @@ def test_recovering_shows_the_drawing_unsaved_and_forgets_the_old_data_only_then
 
 
 @pytest.fixture
-def offered(make_window, keep, boxes, folder, settle, qtbot):
+def offered(make_window, keep, boxes, folder, settle, qtbot, crash):
     """A window that offers so many crashed drawings of one stroke each; and its dialog."""
 
     def make(count):
@@ -298,7 +308,7 @@ def press(box, words):
     next(b for b in box.buttons() if b.text().replace("&", "") == words).click()
 
 
-def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle, qtbot):
+def test_two_drawings_opened_in_one_breath_are_both_kept(offered, folder, settle, qtbot, crash):
     window, dialog = offered(2)
     first, second = buttons(dialog, "Open")
     first.click()
@@ -319,7 +329,7 @@ def test_a_slow_recovery_is_told_waited_for_and_can_be_stopped(
     window, dialog = offered(1)
     said, gate, recover = [], threading.Event(), RecoveryStore.recover
     window.session.notices.noticed.connect(said.append)
-    window.session.files._reads.time_limit = 0.05
+    window.session.findChild(Channel, "file").time_limit = 0.05
 
     def slow(store, crashed, states, progress):
         while not gate.wait(0.3):
@@ -342,7 +352,9 @@ def test_a_slow_recovery_is_told_waited_for_and_can_be_stopped(
     assert not [notice for notice in said if notice.kind == "error"]
 
 
-def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, settle, qtbot):
+def test_strokes_drawn_while_a_recovery_loads_are_asked_about(
+    offered, folder, settle, qtbot, crash
+):
     window, dialog = offered(1)
     buttons(dialog, "Open")[0].click()
     stroke = stroke_of(circle(share=0.5), window.session.view.camera)
@@ -354,7 +366,9 @@ def test_strokes_drawn_while_a_recovery_loads_are_asked_about(offered, folder, s
     assert kept_strokes(folder, window.session.registry) == [1, 1]
 
 
-def test_what_is_given_up_for_another_drawing_goes_and_that_comes(offered, folder, settle, qtbot):
+def test_what_is_given_up_for_another_drawing_goes_and_that_comes(
+    offered, folder, settle, qtbot, crash
+):
     window, dialog = offered(2)
     for button in buttons(dialog, "Open"):
         button.click()
@@ -394,14 +408,17 @@ def test_a_stroke_drawn_while_the_answer_saves_is_asked_about_again(
     assert len(RecoveryStore(folder).crashed_sessions()) == 1
 
 
-def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, monkeypatch, qtbot):
+def test_a_crashed_drawing_is_discarded_only_by_who_is_sure(offered, folder, qtbot):
     window, dialog = offered(2)
-    answers = iter([False, True])
-    monkeypatch.setattr(RecoveryDialog, "_is_sure", lambda *_: next(answers))
     away = buttons(dialog, "Discard…")[0]
-    away.click()
+
+    def click(answer):
+        QTimer.singleShot(0, lambda: press(dialog.findChildren(QMessageBox, "discard")[-1], answer))
+        away.click()
+
+    click("Keep")
     assert len(RecoveryStore(folder).crashed_sessions()) == 2
-    away.click()
+    click("Discard")
     qtbot.waitUntil(lambda: len(RecoveryStore(folder).crashed_sessions()) == 1)
     qtbot.waitUntil(lambda: len(buttons(dialog, "Discarded")) == 1)
     assert len(buttons(dialog, "Open")) == 1
@@ -433,7 +450,9 @@ def test_what_was_not_brought_back_whole_stays_until_it_is_discarded(offered, fo
     assert any("Not all" in notice.text for notice in window.session.heard)
 
 
-def test_keeping_a_crash_for_later_deletes_nothing(make_window, keep, boxes, folder, settle, qtbot):
+def test_keeping_a_crash_for_later_deletes_nothing(
+    make_window, keep, boxes, folder, settle, qtbot, crash
+):
     session, keeper = keep()
     draw(session, settle, keeper)
     crash(keeper)
@@ -448,20 +467,21 @@ def test_keeping_a_crash_for_later_deletes_nothing(make_window, keep, boxes, fol
     assert kept_strokes(folder, session.registry) == [1]
 
 
-def test_a_full_disk_is_told_and_drawing_goes_on(keep, settle, monkeypatch):
+def test_a_full_disk_is_told_and_drawing_goes_on(keep, crash, folder, settle, monkeypatch):
     session, keeper = keep()
 
     def full(*_):
         raise UserError("The disk is full. Make room.")
 
-    monkeypatch.setattr(keeper._store, "begin", full)
+    monkeypatch.setattr(RecoveryStore, "begin", full)
     draw(session, settle, keeper)
     draw(session, settle, keeper)
     assert "The disk is full. Make room." in [notice.text for notice in session.heard]
     assert strokes_of(session.drawing.document.models[0].state) == 2
     monkeypatch.undo()
     draw(session, settle, keeper)
-    assert keeper._sheet.record.state is State.IN_OWN_DATA
+    crash(keeper)
+    assert kept_strokes(folder, session.registry) == [3]
 
 
 # -- a process that is killed ---------------------------------------------------------------------
@@ -538,8 +558,9 @@ def test_many_killed_windows_lose_at_most_one_stroke_each(tmp_path):
 def test_after_a_kill_the_next_window_offers_the_drawing_and_a_living_one_is_left_alone(
     make_window, folder, settle, qtbot
 ):
-    living = Child(folder)
-    drawn = Child(folder).kill_after(0.8)
+    living, dead = Child(folder), Child(folder)
+    assert dead.process.stdout.readline() == "1\n"  # a busy machine takes its time for a stroke
+    drawn = max(dead.kill_after(0.8), 1)
     try:
         window = make_window(recovery=folder)
         window.offer_recovery()

@@ -18,34 +18,21 @@ from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
 from bozzetto.exchange.import_file import read_mesh, read_mesh_file
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
-from bozzetto.scene.display_list import Shaded
+from bozzetto.scene import snapshot
 from bozzetto_app.session import thumbnail as small_picture
 from bozzetto_app.session.files import LAST_FOLDER
 from bozzetto_app.session.recent_files import recent_files
 from bozzetto_app.settings import settings
-from tests.app.tablet import circle, stroke_of
+from tests.app.seen import meshes
+from tests.app.tablet import circle, draw, stroke_of
 from tests.app.troublemaker import MODELER
 
 SVG = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">
 <path d="M10 10 L90 10 L90 90 L10 90 Z" fill="none" stroke="black"/></svg>"""
 
 
-@pytest.fixture
-def session(make_session, boxes):
-    return make_session(MODELER, extra=[boxes.package])
-
-
-def draw(session, settle, **more):
-    session.gestures.stroke_lifted(stroke_of(circle(**more), session.view.camera))
-    settle(session)
-
-
 def words(session, kind):
     return [notice.text for notice in session.heard if notice.kind == kind]
-
-
-def meshes(session):
-    return [item.mesh for _, item in session.scene.visible.items() if isinstance(item, Shaded)]
 
 
 def save(session, settle, path):
@@ -641,10 +628,10 @@ def test_a_document_has_a_small_picture(session, settle, tmp_path, monkeypatch):
 def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
     session, settle, tmp_path, monkeypatch
 ):
-    def fail(*_):
+    def fail(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr(small_picture, "_painted", fail)
+    monkeypatch.setattr(snapshot, "thumbnail", fail)
     draw(session, settle)
     save(session, settle, tmp_path / "a.bozz")
     assert not session.drawing.is_modified
@@ -654,14 +641,14 @@ def test_a_picture_that_cannot_be_made_does_not_stop_the_save(
 
 
 def test_a_picture_that_is_late_does_not_hold_the_save_up(session, settle, tmp_path, monkeypatch):
-    gate, begun = threading.Event(), []
+    gate, begun, paint = threading.Event(), [], snapshot.thumbnail
 
-    def wait(*_):
+    def wait(*asked, **more):
         begun.append(None)
         gate.wait(30)
-        return b"late"
+        return paint(*asked, **more)
 
-    monkeypatch.setattr(small_picture, "_painted", wait)
+    monkeypatch.setattr(snapshot, "thumbnail", wait)
     draw(session, settle)
     for name in ("a.bozz", "b.bozz"):
         save(session, settle, tmp_path / name)

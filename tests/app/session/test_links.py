@@ -11,17 +11,12 @@ from bozzetto.document.model import Document
 from bozzetto.geometry import Placement
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.panels.objects.rows import link_words
-from tests import linked_boxes, plugin_package
+from tests import plugin_package
+from tests.app.seen import button
 from tests.app.tablet import circle, stroke_of
 from tests.linked_boxes import MODELER, BoxState
 
-
-@pytest.fixture
-def boxes(tmp_path, monkeypatch):
-    with plugin_package.imported(
-        linked_boxes, linked_boxes.Boxes(), tmp_path, monkeypatch
-    ) as modeler:
-        yield modeler
+boxes = plugin_package.fixture_of("tests.linked_boxes", "Boxes")
 
 
 @pytest.fixture
@@ -218,7 +213,7 @@ def test_the_panel_shows_the_link_and_duplicates_what_is_chosen(session, settle,
     assert "Unlink" in said
     assert "Link again" not in said
     panel.list.selectAll()
-    panel._duplicate_current()
+    button(panel, "Duplicate").click()
     settle(session)
     body, body_copy, follower, copy = session.drawing.document.models
     assert (follower.sources, copy.sources) == ((body.id,), (body_copy.id,))

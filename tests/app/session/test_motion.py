@@ -10,7 +10,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.plugin import Drag
 from tests.app.tablet import stroke_of
-from tests.spring import MODELER
+from tests.spring import MODELER, Pull
 
 
 def hang_a_ball(session, settle):
@@ -158,6 +158,43 @@ def test_a_hand_may_hold_what_plays(session, springs, qtbot):
     session.escape()
     assert not session.gestures.motion.is_moving
     assert len(session.drawing.history.entries) == steps + 1
+
+
+def test_what_plays_goes_on_where_a_hand_misses_it(session, springs, qtbot, monkeypatch):
+    """A pen that missed a corner that moved stopped all of it."""
+    step = Pull.step
+
+    def missing(self, state, held, seconds, context):
+        if held is not None and held.path.x[0] != 480.0:
+            raise UserError("There is no ball here.")
+        return step(self, state, held, seconds, context)
+
+    monkeypatch.setattr(Pull, "step", missing)
+    motion = session.gestures.motion
+    motion.play()
+    wait_for_steps(session, qtbot, 3)
+    beside = [(100.0 + k, 100.0) for k in range(6)]
+    session.gestures.handle_moved(drag_to(session, *beside[:3]))
+    wait_for_steps(session, qtbot, 5)
+    session.gestures.handle_moved(drag_to(session, *beside))
+    session.gestures.handle_released(drag_to(session, *beside))
+    wait_for_steps(session, qtbot, 5)
+    assert motion.is_playing
+    assert [each.text for each in session.heard].count("There is no ball here.") == 1
+    session.gestures.handle_moved(drag_to(session, *path_of(4)))
+    qtbot.waitUntil(lambda: springs.seen[-1] is not None, timeout=20_000)
+    session.gestures.handle_released(drag_to(session, *path_of(6)))
+    session.escape()
+    session.gestures.handle_moved(drag_to(session, *beside))
+    qtbot.waitUntil(lambda: not motion.is_moving, timeout=20_000)
+
+
+def test_a_step_keeps_its_name_when_another_modeler_is_taken(session, qtbot):
+    session.gestures.motion.play()
+    wait_for_steps(session, qtbot, 3)
+    session.toolbox.take_modeler("bozzetto.silhouette")
+    qtbot.waitUntil(lambda: not session.gestures.motion.is_moving, timeout=20_000)
+    assert session.drawing.history.undo_label == "Pull"
 
 
 def test_what_is_changed_meanwhile_is_kept(session, qtbot, settle):

@@ -113,7 +113,7 @@ def test_an_underlay_becomes_a_sketch_and_is_hidden_as_one_step(session, settle,
     session.pictures.take_underlay(underlay.id)
     settle(session)
     assert (len(session.drawing.document), steps(session)) == (0, 1)
-    assert "No sketch goes to what is chosen" in session.heard[-1].text
+    assert "The chosen object takes no sketch" in session.heard[-1].text
     session.toolbox.take_modeler(MODELER)
     settle(session)
     assert session.pictures.sketch_taker

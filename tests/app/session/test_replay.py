@@ -19,11 +19,6 @@ FAST = 40.0
 """Times as fast as the hand was."""
 
 
-@pytest.fixture
-def session(make_session, boxes):
-    return make_session(MODELER, extra=[boxes.package])
-
-
 def drawing(session, *shares):
     strokes = [
         stroke_of(circle(radius=50 + 20 * k, share=share), session.view.camera)

@@ -13,18 +13,12 @@ from bozzetto.document.model import Underlay
 from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.ink.stroke import Stroke
-from bozzetto.scene.display_list import Shaded
+from tests.app.seen import meshes
 from tests.app.tablet import circle, stroke_of
 from tests.app.troublemaker import MODELER
 
 ARC = 0.6
 """Share of a circle that is far from closed."""
-
-
-@pytest.fixture
-def session(make_session, boxes):
-    """A session that draws boxes: everything but the mathematics is real."""
-    return make_session(MODELER, extra=[boxes.package])
 
 
 @pytest.fixture
@@ -41,10 +35,6 @@ def kinds(session):
     return [notice.kind for notice in session.heard]
 
 
-def shown(session):
-    return [item.mesh for _, item in session.scene.visible.items() if isinstance(item, Shaded)]
-
-
 # -- from ink to solids ------------------------------------------------------------------------
 
 
@@ -53,11 +43,11 @@ def test_a_closed_outline_is_a_watertight_solid_and_a_second_one_inside_a_hole(
 ):
     session = make_session()
     draw(session, circle(radius=150))
-    assert all(map(bounds_volume, shown(session)))
-    assert len(shown(session)) == 1
+    assert all(map(bounds_volume, meshes(session)))
+    assert len(meshes(session)) == 1
     assert session.solver.report["parts"][0]["genus"] == 0
     draw(session, circle(radius=50))
-    assert bounds_volume(shown(session)[0])
+    assert bounds_volume(meshes(session)[0])
     assert session.solver.report["parts"][0]["genus"] == 1
     session.drawing.undo()
     settle(session)
@@ -236,7 +226,7 @@ def test_undo_and_redo_walk_through_everything_drawn(session, draw, settle):
     session.drawing.redo()
     settle(session)
     assert session.drawing.document is states[0]
-    assert len(shown(session)) == 4
+    assert len(meshes(session)) == 4
 
 
 @pytest.mark.parametrize(
@@ -282,10 +272,10 @@ def test_a_slider_drag_is_one_step_and_solves_what_it_ends_with(session, draw, s
     session.objects.end_drag()
     settle(session)
     assert len(session.drawing.history.entries) == steps + 2
-    assert np.ptp(shown(session)[0].vertices, axis=0) == pytest.approx(40)
+    assert np.ptp(meshes(session)[0].vertices, axis=0) == pytest.approx(40)
     session.drawing.undo()
     settle(session)
-    assert np.ptp(shown(session)[0].vertices, axis=0) == pytest.approx(60)
+    assert np.ptp(meshes(session)[0].vertices, axis=0) == pytest.approx(60)
 
 
 def test_refused_edits_say_why_and_change_nothing(session, draw):
@@ -377,7 +367,7 @@ def test_undo_while_solving_drops_the_answer(session, boxes, settle):
     slow.gate.set()
     settle(session)
     assert len(session.drawing.document) == 0
-    assert shown(session) == []
+    assert meshes(session) == []
 
 
 def test_ink_is_shown_while_its_shape_is_being_solved(session, boxes, settle):
@@ -386,15 +376,15 @@ def test_ink_is_shown_while_its_shape_is_being_solved(session, boxes, settle):
     assert_soon(
         session, lambda: [layer.name for layer in session.scene.visible.layers] == ["shape", "ink"]
     )
-    assert shown(session) == []
+    assert meshes(session) == []
     slow.gate.set()
     settle(session)
-    assert len(shown(session)) == 1
+    assert len(meshes(session)) == 1
 
 
 def test_cancelled_work_leaves_what_was_shown_and_the_document(session, boxes, draw, settle):
     draw(session, circle())
-    before = shown(session)
+    before = meshes(session)
     slow = Slow(boxes)
     session.objects.set_parameter("size", 50.0)
     document = session.drawing.document
@@ -403,7 +393,7 @@ def test_cancelled_work_leaves_what_was_shown_and_the_document(session, boxes, d
     settle(session)
     assert slow.stopped == 1
     assert session.drawing.document is document
-    assert shown(session) == before
+    assert meshes(session) == before
     assert "fault" not in kinds(session)
 
 
@@ -418,7 +408,7 @@ def test_renaming_while_solving_does_not_begin_again(session, boxes, settle):
     settle(session)
     assert slow.stopped == 0
     assert boxes.calls["solve"] == 2  # preview and final
-    assert len(shown(session)) == 1
+    assert len(meshes(session)) == 1
 
 
 def test_a_new_object_does_not_wait_for_the_solve_of_another(session, boxes, draw, settle):
@@ -436,7 +426,7 @@ def test_a_new_object_does_not_wait_for_the_solve_of_another(session, boxes, dra
     assert_soon(session, lambda: len(session.drawing.document) == 2 and slow.stopped == 1)
     slow.gate.set()
     settle(session)
-    assert len(shown(session)) == 2
+    assert len(meshes(session)) == 2
 
 
 def test_another_document_during_a_solve_gets_nothing_of_the_old_one(session, boxes, settle):
@@ -468,10 +458,10 @@ def test_one_bad_recipe_complains_once_and_the_others_are_shown(session, boxes, 
     session.objects.rename(session.drawing.document.models[0].id, "Good")
     settle(session)
     assert [n.text for n in session.heard if n.kind == "error"] == ["No solution. Make it smaller."]
-    assert len(shown(session)) == 2  # of the bad one what was there before
+    assert len(meshes(session)) == 2  # of the bad one what was there before
     session.objects.set_parameter("size", 20.0)
     settle(session)
-    assert max(np.ptp(mesh.vertices) for mesh in shown(session)) >= 20
+    assert max(np.ptp(mesh.vertices) for mesh in meshes(session)) >= 20
 
 
 def test_the_live_preview_goes_when_its_shape_comes_but_not_under_the_next_stroke(

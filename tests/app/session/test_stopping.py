@@ -39,11 +39,6 @@ def loop():
     loop.may_end.set()
 
 
-@pytest.fixture
-def session(make_session, boxes):
-    return make_session(MODELER, extra=[boxes.package])
-
-
 def draw(session, points=None):
     session.gestures.stroke_lifted(stroke_of(points or circle(), session.view.camera))
 

@@ -48,7 +48,7 @@ def test_a_turning_view_is_asked_ten_times_a_second_at_most(session, settle, mar
     settle(session)
     most = (time.perf_counter() - begun) / 0.1 + 1
     assert 2 <= marks.asked - asked <= most
-    assert session.advice._asked[2] == session.view.camera
+    assert session.advice.is_about(session.view.camera)
 
 
 def test_the_newest_view_wins(session, settle, marks):
@@ -214,7 +214,9 @@ def test_it_waits_for_the_hand(followed, marks, settle):
     stylus.press((300.0, 300.0))
     stylus.move((320.0, 320.0))
     marks.goal = beside(before)
-    session.advice._asked = None
+    model = session.selection.model
+    renamed = replace(model, name="Other")  # advice is asked for on what is another model now
+    session.drawing.commit("Rename", session.drawing.document.with_model(renamed))
     session.advice.look()
     settle(session)
     assert session.advice.advice.follow
@@ -234,7 +236,7 @@ def test_a_view_that_was_turned_meanwhile_stays(followed, marks, settle):
     turned = turn(session.view.camera, 20.0, 5.0)
     session.view.camera = turned  # turned between the question and its answer
     advising.advice = ViewAdvice("good", "It moved", marks.goal, pinned=True, follow=True)
-    followed.canvas._follow()
+    advising.changed.emit()
     assert session.view.camera == turned
 
 

@@ -285,3 +285,19 @@ def test_what_work_held_ends_on_the_windows_thread(qtbot, heard, monkeypatch):
     qtbot.waitUntil(lambda: len(ended) == 2)
     assert ended == [threading.get_ident()] * 2
     assert heard.answers == ["Held", "Held"]
+
+
+def test_work_during_which_the_machine_slept_is_not_late(qtbot, monkeypatch):
+    channel, ahead = Channel("test", time_limit=3.0), [0.0]
+    real = time.monotonic
+    monkeypatch.setattr("bozzetto.awake_time.time.monotonic", lambda: real() + ahead[0])
+    answers, problems = [], []
+
+    def work(job):
+        ahead[0] += 3600.0
+        time.sleep(0.3)  # the window looks at the clock meanwhile
+        return "answer"
+
+    channel.submit(Request(work, answers.append, problems.append))
+    qtbot.waitUntil(lambda: bool(answers or problems), timeout=20_000)
+    assert (answers, problems) == (["answer"], [])

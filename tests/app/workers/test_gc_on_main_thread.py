@@ -6,6 +6,7 @@ import gc
 import threading
 
 import pytest
+from PySide6.QtCore import QTimer
 
 from bozzetto_app.workers import gc_on_main_thread as tidying
 from bozzetto_app.workers.gc_on_main_thread import REST, Tidier
@@ -14,10 +15,17 @@ from bozzetto_app.workers.gc_on_main_thread import REST, Tidier
 @pytest.fixture
 def tidier(qapp):
     tidier = Tidier()
-    tidier._timer.stop()
+    tidier.findChild(QTimer).stop()
     yield tidier
     gc.enable()
     tidier.deleteLater()
+
+
+def join_givers():
+    """Wait for the threads that give memory back."""
+    for thread in threading.enumerate():
+        if thread.name == "bozzetto-heap":
+            thread.join(10.0)
 
 
 def test_memory_is_given_back_now_and_then_in_a_thread(tidier, monkeypatch):
@@ -25,8 +33,7 @@ def test_memory_is_given_back_now_and_then_in_a_thread(tidier, monkeypatch):
     monkeypatch.setattr(tidying, "give_back", lambda: threads.append(threading.get_ident()))
     for number in range(1, 3 * REST + 1):
         tidier.tidy()
-        if tidier._giving is not None:
-            tidier._giving.join(10.0)
+        join_givers()
         assert len(threads) == number // REST
     assert threading.get_ident() not in threads
 
@@ -42,5 +49,5 @@ def test_a_slow_one_is_not_joined_by_another(tidier, monkeypatch):
     for _ in range(3 * REST):
         tidier.tidy()
     gate.set()
-    tidier._giving.join(10.0)
+    join_givers()
     assert begun == [1]

@@ -11,7 +11,7 @@ from bozzetto.document.history import History
 from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import WaitingStroke, marked, strokes_of
 from bozzetto.ink.stroke import Strokes
-from tests.document_kit import Ink, stroke
+from tests.document_kit import Ink, documents_of, stroke
 
 
 def lifted(count):
@@ -30,8 +30,8 @@ def model_of(*strokes, name="m"):
 def row(history):
     """For every step its label, the strokes of its models, and how many wait."""
     return [
-        (step.label, [len(m.state.strokes) for m in step.document], len(step.document.waiting))
-        for step in history._steps
+        (label, [len(m.state.strokes) for m in document], len(document.waiting))
+        for label, document in zip(history.entries, documents_of(history), strict=True)
     ]
 
 

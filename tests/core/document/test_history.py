@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from bozzetto.ink.stroke import Strokes
 from bozzetto.view.camera import Camera
 from tests.document_kit import (
     Ink,
+    documents_of,
     full_stroke,
     rich_document,
     stroke,
@@ -368,9 +370,8 @@ def test_what_is_held_is_reckoned_the_same_however_snapshots_came_about(seed):
             history.complete(
                 history.position, "Done", lambda d, ink=ink: d.with_waiting((*d.waiting, *ink))
             )
-        steps = history._steps
         held = 0
-        for place in range(1, len(steps)):
-            pair = difference(steps[place - 1].document, steps[place].document)
+        for place, (one, other) in enumerate(pairwise(documents_of(history)), 1):
+            pair = difference(one, other)
             held += STEP_BYTES + pair[0 if place <= history.position else 1]
         assert history.held_bytes == held

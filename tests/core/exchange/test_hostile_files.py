@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import subprocess
 import time
 
 import numpy as np
@@ -144,31 +145,42 @@ def test_a_trusted_file_has_no_limits_of_number(tmp_path):
     assert len(importing.read_drawing(tmp_path / "a.svg", trusted=True).strokes) == 1
 
 
-def test_the_process_that_reads_is_used_again_and_replaced_when_it_is_gone(tmp_path):
-    reading_process._end_idle()  # what others left may be about to end
+@pytest.fixture
+def started(monkeypatch):
+    """The processes that are started, in order."""
+    made, start = [], subprocess.Popen
+
+    def noted(*asked, **more):
+        made.append(start(*asked, **more))
+        return made[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", noted)
+    return made
+
+
+def test_the_process_that_reads_is_used_again_and_replaced_when_it_is_gone(tmp_path, started):
+    reading_process.end_idle()  # what others left may be about to end
     (tmp_path / "a.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     first = importing.read_mesh(tmp_path / "a.obj")
-    (kept,) = reading_process._idle
     importing.read_mesh(tmp_path / "a.obj")
-    assert reading_process._idle == [kept]
-    kept._popen.kill()
-    kept._popen.wait()
+    (kept,) = started
+    kept.kill()
+    kept.wait()
     again = importing.read_mesh(tmp_path / "a.obj")
     assert isinstance(first, Shapes)
     assert len(again.surfaces) == len(first.surfaces) == 1
-    assert reading_process._idle != [kept]
+    assert len(started) == 2
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="memory is limited on Linux")
-def test_a_large_program_reads_again_and_again_with_one_process(tmp_path):
+def test_a_large_program_reads_again_and_again_with_one_process(tmp_path, started):
     """The system counts what the starter takes into the child's largest memory."""
     large = np.ones(300 << 20, np.uint8)
-    reading_process._end_idle()
+    reading_process.end_idle()
     (tmp_path / "a.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     importing.read_mesh(tmp_path / "a.obj")
-    (kept,) = reading_process._idle
     importing.read_mesh(tmp_path / "a.obj")
-    assert reading_process._idle == [kept]
+    assert len(started) == 1
     assert large.all()
 
 

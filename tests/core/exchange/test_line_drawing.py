@@ -16,7 +16,7 @@ from bozzetto.exchange.line_drawing.blueprint import SCALES, SHEET, blueprint_pa
 from bozzetto.exchange.line_drawing.page import net_to_draw, outlines_page, parallel_lines
 from bozzetto.geometry import Curve, Mesh, Placement, Shapes, Solid, Surface
 from bozzetto.view.camera import Camera
-from bozzetto.view.page import framing
+from bozzetto.view.page_views import framing
 
 FRONT = np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
 

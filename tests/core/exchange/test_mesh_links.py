@@ -214,3 +214,28 @@ def test_thousands_of_parts_take_no_longer_than_their_faces(tmp_path):
     parts = read_mesh(tmp_path / "a.obj").surfaces
     assert [part.name for part in parts] == [f"part {k}" for k in range(count)]
     assert {len(part.mesh.vertices) for part in parts} == {3}
+
+
+@pytest.mark.parametrize(
+    ("head", "up"),
+    [
+        ("OpenSCAD_Model", "z"),
+        ("Exported from Blender-4.2.1 (sub 0)", "z"),
+        ("", "y"),
+        ("A blend of oak, Y up", "y"),
+    ],
+)
+def test_an_stl_file_stands_as_in_the_program_that_wrote_it(tmp_path, head, up):
+    """A pillar on a plate that lies on its side: by its shape alone Y is up."""
+    (tmp_path / "a.obj").write_text(standing("y"))
+    mesh = next(read_mesh(tmp_path / "a.obj").meshes()).mesh
+    rows = [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {x} {y} {z}\n" for x, y, z in mesh.vertices[face].tolist())
+        + "endloop\nendfacet\n"
+        for face in mesh.faces
+    ]
+    (tmp_path / "a.stl").write_text(f"solid {head}\n{''.join(rows)}endsolid {head}\n")
+    guess = read_mesh_file(tmp_path / "a.stl").guess
+    assert guess.up == up
+    assert "up (" in guess.sentence()

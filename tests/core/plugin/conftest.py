@@ -20,6 +20,8 @@ from bozzetto.plugin import Ink, Modeler, Parameter, Tool
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.testing import Shell
+from bozzetto.testing.lint import check_package
+from bozzetto.testing.subject import Subject
 
 _numbers = itertools.count(1)
 
@@ -43,7 +45,7 @@ ICON = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 20 20"><path d="M2 
 def make_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A function that writes a package of a fresh name and gives that name."""
     root = tmp_path / "packages"
-    root.mkdir()
+    root.mkdir(exist_ok=True)
     monkeypatch.syspath_prepend(root)
     made: list[str] = []
 
@@ -185,3 +187,13 @@ def workshop(faulty: Faulty, tmp_path: Path) -> Shell:
     shell = Shell(Registry(extra=[faulty.package]), folder)
     shell.open("faulty.modeler")
     return shell
+
+
+@pytest.fixture
+def subject(faulty):
+    return Subject("faulty.modeler", (faulty.package,))
+
+
+def messages(package: str) -> str:
+    """What a check of a package says, a line a finding."""
+    return "\n".join(map(str, check_package(package)))

@@ -31,14 +31,7 @@ LINE = Pen().along([(300, 300), (500, 400)])
 TURNED = Placement((1.0, 0, 0, 0, 0, -1.0, 0, 1.0, 0), 2.0, (5.0, -3.0, 1.0))
 """A quarter about x, twice as large, elsewhere."""
 
-
-@pytest.fixture
-def marks(make_package):
-    package = make_package(plugin_package.CODE, adviser.MANIFEST)
-    modeler = adviser.Marks()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    return modeler
+marks = plugin_package.fixture_of("tests.adviser", "Marks")
 
 
 @pytest.fixture

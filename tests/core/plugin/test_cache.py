@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from bozzetto.plugin import remembered
 from bozzetto.plugin.cache import ALL, Memory, forget_all
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.memory_budget import MOST_BYTES, MemoryBudget
+from bozzetto.plugin.memory_size import size_of
 from bozzetto.workbench.workbench import Workbench
 
 
@@ -123,11 +125,15 @@ def test_the_oldest_of_all_memories_goes_first():
 def test_what_goes_is_freed():
     budget = MemoryBudget(100_000)
     memory = Memory(10, budget)
+    alive = []
     for question in range(50):
-        memory.put(question, array_of(30_000))
+        answer = array_of(30_000)
+        alive.append(weakref.ref(answer))
+        memory.put(question, answer)
+        del answer
     kept = [question for question in range(50) if memory.known(question) is not None]
     assert kept == [47, 48, 49]
-    assert len(memory._answers) == 3
+    assert [question for question in range(50) if alive[question]() is not None] == kept
 
 
 def test_an_answer_that_grows_is_measured_again():
@@ -206,12 +212,18 @@ def test_many_threads_leave_the_count_right():
         return budget.held <= 200_000
 
     assert in_threads(6, run) == [True] * 6
-    kept = [entry for memory in memories for entry in memory._answers.values()]
-    assert set(kept) == set(budget._entries)
-    assert budget.held == sum(entry.size.total for entry in kept)
+
+    def kept():
+        known = (
+            (question, memory.known(question)) for memory in memories for question in range(12)
+        )
+        return [(question, answer) for question, answer in known if answer is not None]
+
+    assert kept()
+    assert budget.held == sum(size_of(*one).total for one in kept())
     budget.forget_all()
     assert budget.held == 0
-    assert not any(memory._answers for memory in memories)
+    assert not kept()
 
 
 # -- functions that are remembered -------------------------------------------------------------

@@ -18,14 +18,9 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen
 from bozzetto.testing.job_checks import check_stopping, stop_at
 from bozzetto.testing.spelling import check_spelling
-from bozzetto.testing.subject import Broken, Subject
+from bozzetto.testing.subject import Broken
 from bozzetto.workbench.workbench import Workbench
 from bozzetto_silhouette.modeler import Silhouette
-
-
-@pytest.fixture
-def subject(faulty):
-    return Subject("faulty.modeler", (faulty.package,))
 
 
 def swallowing(state, result, job):

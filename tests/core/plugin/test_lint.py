@@ -4,19 +4,7 @@ import pytest
 
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.testing.lint import check_package, icon_fault
-
-GOOD_MANIFEST = """
-id = "{author}.plugin"
-title = "Plugin"
-version = "1.0"
-api = ">=2,<3"
-
-[[modeler]]
-id = "{author}.modeler"
-title = "Modeler"
-icon = "icon.svg"
-hint = "Draw."
-"""
+from tests.core.plugin.conftest import GOOD_MANIFEST, messages
 
 from_svg = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">{}</svg>'
@@ -69,10 +57,6 @@ def test_a_plain_icon_is_fine(tmp_path):
     path.write_text(from_svg.format('<defs><path id="a" d="M0 0h9"/></defs><use href="#a"/>'))
     assert icon_fault(path) == ""
     assert "missing" in icon_fault(tmp_path / "none.svg")
-
-
-def messages(package):
-    return "\n".join(map(str, check_package(package)))
 
 
 def test_findings_name_the_place(make_package, faulty):
@@ -258,13 +242,13 @@ def test_files_of_a_plugins_own_are_checked_by_it(tmp_path, capsys):
 
 
 def test_a_call_that_never_answers_is_named_and_the_rest_is_left(faulty, monkeypatch):
-    from bozzetto.testing import time_limit
+    from bozzetto.testing import call_watch
 
     def hang(*_):
         while True:
             pass
 
-    monkeypatch.setattr(time_limit, "LONGEST_CALL", 0.5)
+    monkeypatch.setattr(call_watch, "LONGEST_CALL", 0.5)
     faulty.misdeeds["apply"] = hang
     (finding,) = check_package(faulty.package)
     assert finding.serious

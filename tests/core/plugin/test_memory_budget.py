@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hypothesis.strategies as st
-from hypothesis import given
+from hypothesis import example, given
 
 from bozzetto.plugin.memory_budget import Entry, MemoryBudget
 from bozzetto.plugin.memory_size import Size
@@ -42,15 +42,18 @@ def taken(entries):
     return sum(parts.values()) + sum(entry.size.small for entry in entries)
 
 
-@given(STEPS, st.integers(0, 1500))
-def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
-    """Against a plain list, oldest first, that is added up anew at each step."""
+def cut(entries, bound):
+    """Let the oldest go until the others fit."""
+    while taken(entries) > bound:
+        entries.pop(0)
+
+
+def taken_steps(steps):
+    """A budget after some steps, all entries, and a plain list of those that it keeps.
+
+    The list has the oldest first and is added up anew at each step.
+    """
     budget, model, made = MemoryBudget(MOST), [], []
-
-    def cut(bound):
-        while taken(model) > bound:
-            model.pop(0)
-
     for step, number, size in steps:
         entry = made[number % len(made)] if made else None
         if step == "keep" or entry is None:
@@ -59,7 +62,7 @@ def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
             budget.keep(entry)
             if size.total <= MOST:
                 model.append(entry)
-                cut(MOST)
+                cut(model, MOST)
         elif step == "use":
             budget.use(entry)
             if entry in model:
@@ -72,19 +75,37 @@ def test_it_is_a_list_by_age_that_is_cut_at_the_bound(steps, last_bound):
             if entry in model and size.total > MOST:
                 model.remove(entry)
             elif entry in model:
-                cut(MOST)
-        assert list(budget._entries) == model
+                cut(model, MOST)
+        assert all(one.dropped is not (one in model) for one in made)
         assert budget.held == taken(model) <= MOST
-        assert all(entry.dropped for entry in made if entry not in model)
+    return budget, made, model
+
+
+@given(STEPS, st.integers(0, 1500))
+def test_what_does_not_fit_goes_and_all_is_counted(steps, last_bound):
+    budget, _, model = taken_steps(steps)
     budget.limit_to(last_bound)
-    cut(last_bound)
-    assert list(budget._entries) == model
+    cut(model, last_bound)
     assert budget.held == taken(model) <= last_bound
     before = [entry.forgotten for entry in model]
     budget.forget_all()
     assert not any(before)
     assert all(entry.forgotten for entry in model)
-    assert (budget.held, budget._holders) == (0, {})
+    assert budget.held == 0
+    budget.limit_to(10 * MOST)
+    for _, size in PARTS:  # nothing is held of the parts of those that are forgotten
+        budget.keep(LevelCache(Size(tuple(PARTS[:1]), size)))
+    assert budget.held == PARTS[0][1] + sum(size for _, size in PARTS)
+
+
+@given(STEPS)
+@example([("keep", 0, Size((), 9)), ("keep", 0, Size((), 9)), ("use", 0, Size((), 9))])
+def test_the_one_goes_first_that_was_not_used_for_longest(steps):
+    budget, made, model = taken_steps(steps)
+    for bound in range(MOST, -1, -5):
+        budget.limit_to(bound)
+        cut(model, bound)
+        assert all(one.dropped is not (one in model) for one in made)
 
 
 def test_what_was_dropped_before_it_was_kept_stays_away():

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from bozzetto.testing.lint import check_package
+from tests.core.plugin.conftest import messages
 
 MANIFEST = """
 id = "{author}.plugin"
@@ -150,13 +150,9 @@ OTHERWISE = (
 )
 
 
-def told_of(package: str) -> str:
-    return "\n".join(map(str, check_package(package)))
-
-
 def test_every_misspelling_is_told_by_name(make_package):
     package = make_package(CODE, MANIFEST)
-    told = told_of(package)
+    told = messages(package)
     for name, meant in LOOKS_LIKE.items():
         assert f"{name!r} looks like {meant!r}" in told, name
     for sentence in OTHERWISE:
@@ -215,12 +211,12 @@ PLAIN = MANIFEST.replace("sumary", "summary").replace("sampels = []\nordre", "or
     ],
 )  # fmt: skip
 def test_what_keeps_a_plugin_from_loading_is_told_by_name(make_package, code, manifest, sentence):
-    assert sentence in told_of(make_package(code.replace("{more}", ""), manifest))
+    assert sentence in messages(make_package(code.replace("{more}", ""), manifest))
 
 
 def test_a_name_that_only_an_instance_has(make_package):
     own = "def __init__(self): self.view_advise = None"
-    told = told_of(make_package(HALF.replace("{more}", own), PLAIN))
+    told = messages(make_package(HALF.replace("{more}", own), PLAIN))
     assert "'view_advise' looks like 'view_advice'" in told
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import weakref
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
@@ -260,10 +261,10 @@ def test_parts_are_read_once_and_forgotten_with_their_state(shell):
     others = [edits.select(shell.model, name) for name in ("b", "c", "d")]
     for model in others:
         assert edits.of(model) is edits.of(model) is edits.remembered(model)
-    kept = len(edits._known)
+    trees = [weakref.ref(edits.of(model)) for model in others]
     del others, model
     gc.collect()
-    assert len(edits._known) == kept - 3
+    assert [tree() for tree in trees] == [None] * 3
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from dataclasses import dataclass, replace
 
@@ -34,14 +33,7 @@ from tests.tracer import MODELER, STAND, Tracing
 
 PICTURE = Picture.of(np.full((60, 90, 4), 200, np.uint8), "page")
 
-
-@pytest.fixture
-def sketches(make_package):
-    package = make_package(plugin_package.CODE, tracer.MANIFEST)
-    modeler = tracer.Sketches()
-    importlib.import_module(package).given.append(modeler)
-    modeler.package = package
-    return modeler
+sketches = plugin_package.fixture_of("tests.tracer", "Sketches")
 
 
 @pytest.fixture

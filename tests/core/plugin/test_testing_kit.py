@@ -18,19 +18,7 @@ from bozzetto.testing.deep_equal import difference
 from bozzetto.testing.spelling import MODELER_NAMES, TOOL_NAMES
 from bozzetto.testing.subject import Broken, Subject
 from bozzetto.view import Camera
-
-FAULTY_MANIFEST = """
-id = "faulty.plugin"
-title = "Faulty"
-version = "1.0"
-api = ">=2,<3"
-
-[[modeler]]
-id = "faulty.modeler"
-title = "Faulty"
-icon = "icon.svg"
-hint = "Draw."
-"""
+from tests.core.plugin.conftest import FAULTY_MANIFEST
 
 
 class TestMesh(ModelerContract):
@@ -38,11 +26,6 @@ class TestMesh(ModelerContract):
 
 
 # -- the suite finds what is wrong -----------------------------------------------------------
-
-
-@pytest.fixture
-def subject(faulty):
-    return Subject("faulty.modeler", (faulty.package,))
 
 
 def failing(subject):

@@ -8,6 +8,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Placement
 from bozzetto.scene import Image, Layer, Lines, Points, Scene
+from bozzetto.scene.display_list import MOST_FRAMED
 
 
 def test_a_picture_behind_things_is_not_framed_with_them():
@@ -70,3 +71,41 @@ def test_of_a_sum_is_known_what_is_not_put_off():
     assert [layer.name for layer in moved.layers] == ["rest", "own"]
     assert [layer.name for layer in both.known.layers] == ["rest", "own"]
     assert made == [1]
+
+
+def _cloud(count, seed, owner=""):
+    points = np.random.default_rng(seed).normal(size=(count, 3)).astype(np.float32)
+    return Layer(f"cloud {seed}", (Points(points), Lines(points + 5.0)), owner)
+
+
+def test_all_points_of_a_small_scene_are_framed():
+    layers = (_cloud(10, 1), _cloud(7, 2), Layer("nothing"))
+    wanted = np.concatenate([item.points for layer in layers for item in layer.items])
+    assert np.array_equal(Scene(layers).points(), wanted.astype(float))
+
+
+@pytest.mark.parametrize("sizes", [(200_000,), (1,) * 50_000, (100_000, 3, 40_000, 1)])
+def test_of_a_large_scene_some_points_of_everything_are_framed(sizes):
+    layers = tuple(
+        Layer(str(k), (Points(np.full((size, 3), k, np.float32)),)) for k, size in enumerate(sizes)
+    )
+    found = Scene(layers).points()
+    assert len(found) <= MOST_FRAMED + len(sizes)
+    assert set(found[:, 0].astype(int)) == set(range(len(sizes)))
+
+
+def test_points_of_a_layer_are_put_together_once():
+    """A window with hundreds of objects looks at all of them whenever one is chosen."""
+    layer = _cloud(10, 1)
+    assert layer.points is layer.points
+    assert np.array_equal(Scene((layer,)).points(), Scene((layer, Layer("nothing"))).points())
+
+
+def test_bounds_are_those_of_everything_that_has_a_place():
+    layers = (_cloud(10, 1), _cloud(7, 2), Layer("nothing"))
+    everything = np.concatenate([item.points for layer in layers for item in layer.items])
+    wanted = [everything.min(axis=0), everything.max(axis=0)]
+    assert np.array_equal(Scene(layers).bounds(), wanted)
+    for empty in (Scene(), Scene((Layer("nothing"), Layer("none", (Lines(np.zeros((0, 3))),))))):
+        assert np.isnan(empty.bounds()).all()
+        assert empty.bounds().shape == (2, 3)

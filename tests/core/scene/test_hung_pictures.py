@@ -12,7 +12,7 @@ from bozzetto.geometry.mesh import Mesh
 from bozzetto.scene import LIGHT, Image, Lines, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.scene.renderer.image_layers import blend_pictures, place_picture
-from bozzetto.scene.renderer.image_warp import _interpolated
+from bozzetto.scene.renderer.image_warp import interpolated
 from bozzetto.scene.renderer.view_transform import view_transform
 from bozzetto.view.camera import Camera
 from tests.core.scene.shapes import box, scene_of, sphere
@@ -387,8 +387,8 @@ def test_a_picture_square_on_fills_its_box_wherever_the_horizon_lies(slant):
     matrix = np.array([(1 / 96, 0.0, 0.0), (0.0, 1 / 64, 0.0), (*slant, 1.0)])
     box = (10, 8, 40, 30)
     straight = np.array([(1 / 96, 0.0, 0.0), (0.0, 1 / 64, 0.0), (0.0, 0.0, 1.0)])
-    values = _interpolated(slopes(), (1, 1), matrix, box)
+    values = interpolated(slopes(), (1, 1), matrix, box)
     assert values.shape == (22, 30)
-    expected = _interpolated(slopes(), (1, 1), straight, box)
+    expected = interpolated(slopes(), (1, 1), straight, box)
     gaps = values.view(np.uint8).astype(int) - expected.view(np.uint8)
     assert np.abs(gaps).max() <= 2

@@ -15,7 +15,7 @@ from bozzetto.geometry import Curve, Mesh, Shapes, Solid
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.plugin.job import Job
 from bozzetto.view import Camera
-from bozzetto.view.page import framing, page_view, shows
+from bozzetto.view.page_views import framing, page_view, shows
 from bozzetto.workbench.export_document import (
     ObjectShapes,
     chosen_models,

@@ -222,7 +222,7 @@ def test_the_asked_point_is_told(shown, twelve, qtbot):
 
 def test_with_another_tool_the_panel_still_tells_about_its_point(shown, twelve, qtbot):
     panel, host = shown(twelve)
-    host._next_step = lambda state: NextStep("Draw along an edge.")
+    host.say_next = lambda state: NextStep("Draw along an edge.")
     host.put(with_asked(twelve, "C8"))
     calm(qtbot, panel)
     assert panel.title.text() == "Rear bumper, lower edge"

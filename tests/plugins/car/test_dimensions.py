@@ -7,13 +7,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto_car.dimensions import Dimensions, Locks, Overlap, measure_dimensions
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def of_nodes(template: Template, positions: np.ndarray) -> Dimensions:

@@ -8,7 +8,7 @@ import pytest
 from bozzetto_car.dimensions import Dimensions, Overlap, measure_dimensions
 from bozzetto_car.solver.bundle_adjustment import solve
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import (
@@ -19,11 +19,6 @@ from tests.plugins.car.sketched import (
     styled,
 )
 from tests.plugins.car.solved import assert_allowed, of_nodes
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 @pytest.mark.parametrize("seed", range(2))

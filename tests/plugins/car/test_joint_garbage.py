@@ -12,7 +12,6 @@ from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.solver.bundle_adjustment import solve
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import (
@@ -21,11 +20,6 @@ from tests.plugins.car.sketched import (
 )
 from tests.plugins.car.solved import assert_allowed, of_nodes
 from tests.sizes import sized
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def garbage(template: Template, rng: np.random.Generator) -> Sequence[MarkedView]:

@@ -9,7 +9,7 @@ from bozzetto.view import Camera
 from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.solver.bundle_adjustment import solve
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness, soundness_names
 from tests.plugins.car.sketched import (
@@ -26,11 +26,6 @@ from tests.plugins.car.sketched import (
     styled,
 )
 from tests.plugins.car.solved import joint_of
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def test_exact_marks_of_the_template_change_nothing(template: Template) -> None:

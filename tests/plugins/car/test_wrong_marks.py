@@ -11,18 +11,13 @@ import pytest
 from bozzetto_car.marking.next_mark import next_mark_in_words
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.state import Mark
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from tests.plugins.car.marked_points import aside, marked, with_marks
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, SIDE, View, rubbery, styled
 
 CARS = {"styled": styled, "rubbery": rubbery}
 SEEDS = range(4)
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 @pytest.mark.parametrize("count", [27, 10])

@@ -11,12 +11,14 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Job
 from bozzetto_polyhedron.model.changes import Added
+from bozzetto_polyhedron.model.fittings import Link
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.solve.kept_poses import at_rest_here
 from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.solve.pipeline import solved
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
+from bozzetto_polyhedron.tools.fittings import DrawLink
 from bozzetto_polyhedron.tools.move import Move
 from tests.plugins.polyhedron import known_linkages
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
@@ -26,6 +28,7 @@ from tests.plugins.polyhedron.linkages import (
     SHEET,
     drawn,
     linkage,
+    places,
     straight,
     tapped,
     with_motor,
@@ -211,6 +214,11 @@ def test_bars_that_lie_along_one_another_are_not_redrawn_as_one() -> None:
             kept = lengths(at_rest_here(state, {}))
         except UserError:
             refused += 1
+            with pytest.raises(UserError, match="with “Link”"):
+                at_rest_here(state, {})
+            ends = places(state, FOUR_BAR)
+            stroke = straight(ends["b"], ends["d"])
+            assert DrawLink().draw(state, Ink((stroke,)), Context()).of_kind(Link)
         else:
             assert kept == pytest.approx(before, rel=1e-5)
     assert 0 < refused < 8

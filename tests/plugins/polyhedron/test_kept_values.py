@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bozzetto_polyhedron.graph.draft import Draft, draft_of
+from bozzetto_polyhedron.graph.likelihood import Fits
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.graph.steps import steps
 from bozzetto_polyhedron.graph.surroundings import MOST_NEAR, Surroundings
@@ -41,7 +42,7 @@ def test_segments_in_any_order_are_one_line(draft: Draft) -> None:
     assert several
     for members in several:
         assert fits.line(members[::-1]) is fits.line(members)
-        assert fits.line(members) == fits._fitted(members)
+        assert fits.line(members) == Fits(fits.segments, fits.spread, fits.few).line(members)
 
 
 def test_steps_are_the_same_the_second_time(draft: Draft) -> None:

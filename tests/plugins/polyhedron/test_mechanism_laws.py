@@ -80,6 +80,27 @@ def test_joints_hold_when_the_pen_jerks():
     assert worst < 1e-4 * LENGTH
 
 
+@pytest.mark.parametrize("angle", [-2.0, -0.4, 0.9])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_what_the_pen_holds_beyond_reach_rests(count, angle):
+    """It swung about there like a pendulum: what damps it was limited with the pull."""
+    assembly, motion = plates(count)
+    stepper, mass = Stepper(assembly, damping=1.0), count * MASS
+    stiffness = mass * (2.0 * np.pi / 0.12) ** 2
+    hold, begin = np.array([LENGTH / 2, 0.0, 0.0]), np.array([count * LENGTH, 0.0, 0.0])
+    end = 3.0 * count * LENGTH * np.array([np.cos(angle), 0.0, np.sin(angle)])
+    seen = []
+    for frame in range(120):
+        target = begin + min(1.0, frame / 12) * (end - begin)
+        damping, limit = 2.0 * np.sqrt(stiffness * mass), 8.0 * mass * 9.81
+        pull = Pull(count - 1, hold, target, stiffness, damping, limit)
+        motion = stepper.advanced(motion, 1 / 60, pull)
+        seen.append(motion.places[-1] + motion.turns[-1] @ hold)
+    moved = np.linalg.norm(np.diff(seen, axis=0), axis=1)
+    assert moved[-30:].max() < 1e-3 * LENGTH
+    assert seen[-1] == pytest.approx(end / 3.0, abs=0.1 * count * LENGTH)
+
+
 def test_a_person_sees_the_same_end_at_30_and_120_frames_a_second():
     ends = []
     for rate in (30, 120):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,8 +11,10 @@ from bozzetto.geometry import Placement
 from bozzetto_silhouette.inflation.heightfield import Relief
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import solidify
+from bozzetto_silhouette.model.state import SilhouetteState
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 from bozzetto_silhouette.solids.body import Body
+from bozzetto_silhouette.view.picking import shape_seen
 from tests.plugins.silhouette import outlines as o
 
 Points = NDArray[np.float64]
@@ -78,3 +82,12 @@ def reach_along(shape: Body, origin: Points, direction: Points) -> float:
         tuple(start), tuple(start + length * away)
     )
     return max(float(np.linalg.norm(np.subtract(hit.position, start))) for hit in hits)
+
+
+def solid(state: SilhouetteState) -> Any:
+    """What is shown of a state, as a solid of Manifold; it is sound and not empty."""
+    shown = shape_seen(state).body
+    made = as_manifold(shown.vertices, shown.faces)
+    assert made.status().name == "NoError"
+    assert made.volume() > 0.0
+    return made

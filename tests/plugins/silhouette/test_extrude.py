@@ -11,12 +11,12 @@ from bozzetto.plugin import Context, Drag, Ink, Tap
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
 from bozzetto.view.standard_views import standard_view
-from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.part_solid import body_of
 from bozzetto_silhouette.tools.extrude import Extrude
 from bozzetto_silhouette.view.picking import shape_seen
+from tests.plugins.silhouette.bodies import solid
 from tests.previews import preview_of
 
 FRONT = Camera()
@@ -50,14 +50,6 @@ def nose(tip: float = 110.0, camera: Camera = RIGHT) -> Stroke:
 
 def grown(state: SilhouetteState, *strokes: Stroke) -> SilhouetteState:
     return EXTRUDE.apply(state, Ink(strokes, True), Context(camera=strokes[-1].camera))
-
-
-def solid(state: SilhouetteState):
-    body = shape_seen(state).body
-    made = as_manifold(body.vertices, body.faces)
-    assert made.status().name == "NoError"
-    assert made.volume() > 0.0
-    return made
 
 
 @pytest.mark.parametrize("camera", [RIGHT, TOP], ids=["right", "top"])

@@ -15,7 +15,6 @@ from bozzetto.scene import Lines, Shaded
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
 from bozzetto.view.standard_views import standard_view
-from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
 from bozzetto_silhouette.tools.arrange import Arrange, after_motion
 from bozzetto_silhouette.tools.cut import DrawCut
@@ -25,6 +24,7 @@ from bozzetto_silhouette.tools.tunnel import DrawTunnel
 from bozzetto_silhouette.view.drag_motion import mirrored
 from bozzetto_silhouette.view.handles import depth_grip
 from bozzetto_silhouette.view.picking import shape_seen
+from tests.plugins.silhouette.bodies import solid
 from tests.previews import preview_of
 
 FRONT = Camera()
@@ -38,14 +38,6 @@ def ball(radius: float = 220.0) -> SilhouetteState:
 
 def applied(tool, state: SilhouetteState, *strokes: Stroke) -> SilhouetteState:
     return tool.apply(state, Ink(strokes, True), Context(camera=strokes[0].camera))
-
-
-def solid(state: SilhouetteState):
-    body = shape_seen(state).body
-    made = as_manifold(body.vertices, body.faces)
-    assert made.status().name == "NoError"
-    assert made.volume() > 0.0
-    return made
 
 
 @pytest.mark.parametrize("kind", ["orthographic", "perspective"])

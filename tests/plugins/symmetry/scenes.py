@@ -202,7 +202,7 @@ def _perfect_freehand() -> Iterator[Array]:
                 yield np.array([point[:2] for point in ink], float)
 
 
-def _length(ink: Array) -> float:
+def length_of(ink: Array) -> float:
     return float(np.linalg.norm(np.diff(ink, axis=0), axis=1).sum())
 
 
@@ -210,7 +210,7 @@ def _length(ink: Array) -> float:
 def real_ink() -> tuple[Array, ...]:
     """Strokes that people drew, px; none where the recordings are absent."""
     strokes = [*_perfect_freehand(), *_libmypaint(), *_strokestrip()]
-    return tuple(ink for ink in strokes if _length(ink) > SHORTEST)
+    return tuple(ink for ink in strokes if length_of(ink) > SHORTEST)
 
 
 def lifted(ink: Array, depth: Array) -> Array:
@@ -223,17 +223,17 @@ def lifted(ink: Array, depth: Array) -> Array:
     -------
     (300, 3) float
     """
-    place = resample(smooth(ink, 0.01 * _length(ink)), count=300)
+    place = resample(smooth(ink, 0.01 * length_of(ink)), count=300)
     place = place - 0.5 * (place.min(0) + place.max(0))
     place = place / max(np.ptp(place, axis=0) / (180.0, 90.0))
-    sweep = resample(smooth(depth, 0.15 * _length(depth)), count=300)[:, 1]
+    sweep = resample(smooth(depth, 0.15 * length_of(depth)), count=300)[:, 1]
     sweep = (sweep - sweep.min()) / max(float(np.ptp(sweep)), 1e-9)
     return np.column_stack((place[:, 0], 10.0 + 35.0 * sweep, -place[:, 1]))
 
 
 def winds(ink: Array) -> bool:
     """Whether a stroke is much longer than it is wide: no plain arc, and no scribble either."""
-    return 1.25 < _length(ink) / float(np.linalg.norm(np.ptp(ink, axis=0))) < 5.0
+    return 1.25 < length_of(ink) / float(np.linalg.norm(np.ptp(ink, axis=0))) < 5.0
 
 
 def real_curves(count: int, seed: int = 0) -> list[Array]:

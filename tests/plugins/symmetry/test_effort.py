@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 
 import numpy as np
@@ -10,9 +11,8 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.view import Camera
-from bozzetto_symmetry.ink import stroke_grouping as grouping
 from bozzetto_symmetry.ink.sides import MOST_STROKES, sides_of
-from bozzetto_symmetry.ink.stroke_grouping import group_strokes
+from bozzetto_symmetry.ink.stroke_grouping import bonds_between, group_strokes
 from bozzetto_symmetry.ink.stroke_line import MOST_SAMPLES, smooth_line, thin_out
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations import assign_stroke
@@ -36,14 +36,26 @@ def processor_time(work) -> float:
     return time.thread_time() - begun
 
 
-def test_strokes_are_compared_once_with_each_other(monkeypatch):
-    calls = []
-    between = grouping._between
-    monkeypatch.setattr(grouping, "_between", lambda *pair: calls.append(1) or between(*pair))
-    for count in (10, 20, 40):
-        calls.clear()
-        group_strokes([wave(0.01 * k) for k in range(count)])
-        assert len(calls) == count * (count - 1) // 2
+def calls_of(work) -> int:
+    """How many functions are called, in Python and below it."""
+    count = [0]
+
+    def heed(frame, event, argument):
+        count[0] += event in ("call", "c_call")
+
+    sys.setprofile(heed)
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return count[0]
+
+
+@pytest.mark.parametrize("count", [10, 20, 40])
+def test_strokes_are_compared_once_with_each_other(count):
+    lines = [wave(0.01 * k) for k in range(count)]
+    bonds = calls_of(lambda: bonds_between(lines))
+    assert bonds < calls_of(lambda: group_strokes(lines)) < 1.5 * bonds
 
 
 def test_uniting_groups_gives_what_uniting_them_one_by_one_gave():
@@ -105,8 +117,15 @@ def test_ink_beside_what_was_gone_over_is_a_curve_of_its_own():
     assert all(abs(drawn.points[0, 1] - 400.0) < 1.0 for drawn in first.strokes[:3])
 
 
-def test_drifting_strokes_are_not_gone_over():
+def test_drifting_strokes_are_not_gone_over(monkeypatch):
+    """Each is along the one before: only solving tells whether it still is the same curve."""
     state = add_drawing(SymmetryState(), [stroke(wave(6.0 * k)) for k in range(12)])
     first = state.curves[0].strokes
-    assert assign_stroke._gone_over(state.with_node(state.curves[0]), stroke(wave(72.0))) is None
     assert len(first) < 12 or len(state.curves) == 1
+    solved = []
+    trace_of = assign_stroke.trace_of
+    monkeypatch.setattr(
+        assign_stroke, "trace_of", lambda *asked: solved.append(1) or trace_of(*asked)
+    )
+    add_drawing(state.with_node(state.curves[0]), [stroke(wave(72.0))])
+    assert solved

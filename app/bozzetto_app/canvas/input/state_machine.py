@@ -1,4 +1,4 @@
-"""What a hand means: the state machine between presses and strokes, without Qt.
+"""State machine between presses and strokes, without Qt.
 
 One gesture at a time. A press decides what the gesture is (ink, an eraser, a tap, a tap that
 is aimed, the drag of a handle, the menu, or a turn of the view); until its own pointer lifts or
@@ -51,7 +51,7 @@ FLICK_TRAVEL: Final = 18.0
 
 
 class Mode(Enum):
-    """What is going on."""
+    """State of the hand."""
 
     IDLE = auto()
     INKING = auto()
@@ -80,7 +80,7 @@ class Motion(Enum):
 
 
 class Outcome(Enum):
-    """What a gesture turned out to be when its pointer lifted."""
+    """Kind of a gesture, known when its pointer lifts."""
 
     NOTHING = auto()
     STROKE = auto()

@@ -1,1 +1,1 @@
-"""What is painted over the scene: wet ink, highlights, the loupe, the view cube."""
+"""Layers over the scene: wet ink, highlights, the loupe, the view cube."""

@@ -28,7 +28,7 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.scene.display_list import EMPTY, Handle, Image, Lines, Points, Scene
 from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.view.camera import Camera
-from bozzetto_app.canvas.screen_limits import limited_place, whole_point
+from bozzetto_app.canvas.screen_limits import limited_place, pieces_within, whole_point
 from bozzetto_app.style.theme import qcolor
 
 __all__ = ["DIAMETER", "MAGNIFICATION", "Loupe", "place_beside"]
@@ -240,7 +240,7 @@ class Loupe(QWidget):
             joined = np.ones(len(begins), np.bool_)
             joined[np.asarray(item.starts[1:], np.intp) - 1] = False
             begins, ends = begins[joined], ends[joined]
-        pieces = _within(begins, ends, 0.6 * DIAMETER)
+        pieces = pieces_within(begins, ends, 0.6 * DIAMETER)
         if not len(pieces):
             return
         color = QColor(*self._palette.color(item.color))
@@ -285,27 +285,3 @@ def _paint_part(painter: QPainter, pixels: NDArray[np.uint8], part: QRectF) -> N
     high, wide = rows.shape[:2]
     image = QImage(rows.data, wide, high, 4 * wide, QImage.Format.Format_RGBA8888)
     painter.drawImage(QRectF(left, top, step * wide, step * high), image)
-
-
-def _within(
-    begins: NDArray[np.float64], ends: NDArray[np.float64], reach: float
-) -> NDArray[np.float64]:
-    """Return the parts of straight pieces inside a square about the middle, (k, 4): x, y, x, y.
-
-    Long lines cost Qt the more the less is seen of them. Liang & Barsky, "A new concept and
-    method for line clipping", 1984.
-    """
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        way = ends - begins
-        one, other = (-reach - begins) / way, (reach - begins) / way
-        enters, leaves = np.minimum(one, other), np.maximum(one, other)
-        # Along a side of the square 0 / 0 or a / 0: in all the way, or nowhere.
-        along, inside = way == 0.0, np.abs(begins) <= reach
-        enters = np.where(along, np.where(inside, -np.inf, np.inf), enters)
-        leaves = np.where(along, np.where(inside, np.inf, -np.inf), leaves)
-        first = np.maximum(enters.max(axis=1, initial=0.0), 0.0)
-        last = np.minimum(leaves.min(axis=1, initial=1.0), 1.0)
-        crosses = first <= last  # false where something is not finite
-    begins, way = begins[crosses], way[crosses]
-    first, last = first[crosses, None], last[crosses, None]
-    return np.hstack((begins + first * way, begins + last * way))

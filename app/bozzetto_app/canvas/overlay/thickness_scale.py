@@ -36,7 +36,7 @@ MARKS: Final = (0.5, 1.0, 2.0, 4.0, 8.0)
 
 
 class ThicknessScale(QWidget):
-    """What the colours of thickness mean, and how thin the thinnest wall is.
+    """Legend of the colours of thickness, with the thinnest wall.
 
     Every touch passes through it.
     """

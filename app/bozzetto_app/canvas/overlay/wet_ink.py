@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QWidget
 from bozzetto.cached_properties import cached_property
 from bozzetto.ink.checked_points import is_seen, seen_through
 from bozzetto.scene.palette import LIGHT, Color, Palette
-from bozzetto_app.canvas.overlay.highlights import LitPlaces
+from bozzetto_app.canvas.overlay.lit_places import LitPlaces
 from bozzetto_app.canvas.overlay.next_step import NextPlace
 from bozzetto_app.canvas.overlay.ribbon import InkPoint, Smoother, ribbon_path, smoothed
 from bozzetto_app.canvas.screen_limits import (
@@ -116,7 +116,13 @@ class PendingInk:
 
 
 class InkOverlay(QWidget):
-    """A transparent sheet over the viewport for wet ink, the hover ring and lit places."""
+    """A transparent sheet over the viewport for wet ink, the hover ring and lit places.
+
+    Attributes
+    ----------
+    lit : LitPlaces
+        What is lit for a moment, with words beside it.
+    """
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -138,7 +144,7 @@ class InkOverlay(QWidget):
         self._tip = PEN_TIP
         self._ring: tuple[float, float, float] | None = None
         self._hot: tuple[float, float, Color] | None = None
-        self._lit = LitPlaces(self)
+        self.lit = LitPlaces(self)
         self._next = NextPlace()
         self._stale = QTimer(self, singleShot=True, interval=PREDICTION_LIFE)
         self._stale.timeout.connect(self._drop_prediction)
@@ -158,7 +164,7 @@ class InkOverlay(QWidget):
     def begin(self, *, erasing: bool = False) -> None:
         """Start a stroke."""
         self.clear_wet()
-        self._lit.light_up(())
+        self.lit.light_up(())
         self._erasing = erasing
         self._tip = ERASER_TIP if erasing else PEN_TIP
 
@@ -259,7 +265,7 @@ class InkOverlay(QWidget):
 
     def light_up(self, places: Sequence[tuple[float, float]], words: str = "") -> None:
         """Light rings at places for a moment, with words beside the first."""
-        self._lit.light_up(places, words)
+        self.lit.light_up(places, words)
 
     def mark_next(self, place: tuple[float, float] | None) -> None:
         """Show where the next step is to be done; None takes the mark away."""
@@ -270,11 +276,6 @@ class InkOverlay(QWidget):
     def next_place(self) -> tuple[float, float] | None:
         """Where the next step is marked."""
         return self._next.place
-
-    @property
-    def lit_places(self) -> tuple[tuple[float, float], ...]:
-        """The places that are lit now."""
-        return self._lit.places
 
     # -- painting -----------------------------------------------------------------------------
 
@@ -321,7 +322,7 @@ class InkOverlay(QWidget):
             x, y, radius = self._ring
             painter.setPen(QPen(qcolor(self._palette.ink, 0.55), 1.2))
             painter.drawEllipse(QPointF(x, y), radius, radius)
-        self._lit.paint(painter, self._palette)
+        self.lit.paint(painter, self._palette)
 
     # -- how the backing pictures come about ----------------------------------------------------
 

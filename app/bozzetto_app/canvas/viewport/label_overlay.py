@@ -19,7 +19,7 @@ __all__ = ["MarksSheet", "paint_marks"]
 
 def paint_marks(painter: QPainter, scene: Scene, camera: Camera, palette: Palette) -> None:
     """Paint the handles and labels of a scene."""
-    marks = [item for _, item in scene.items() if isinstance(item, Handle | Label)]
+    marks = [mark for layer in scene.layers for mark in layer.marks]
     if not marks:
         return
     places, _ = camera.project([mark.point for mark in marks])

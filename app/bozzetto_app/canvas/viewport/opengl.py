@@ -293,6 +293,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         try:
             self._prepare_frame()
             super().paintGL()
+            _check_errors()
         except Exception as problem:  # whatever a driver may throw: the software viewport helps
             self._broken = True
             log.exception("the GL viewport cannot draw")
@@ -329,6 +330,7 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
             far = max(far, ground_far)
         view, projection = gl_matrices(camera, near, far)
         frame = self.frame
+        frame.number += 1
         frame.view = view.astype(np.float32)
         frame.projection = projection.astype(np.float32)
         frame.size = (float(self.width()), float(self.height()))
@@ -362,3 +364,10 @@ class GLViewport(GLViewWidget):  # type: ignore[misc]
         self._is_proved = True
         self.update()
         self.proved.emit()
+
+
+def _check_errors() -> None:
+    """Raise `RuntimeError` if OpenGL could not do something since this was asked last."""
+    found = GL.glGetError()
+    if found != GL.GL_NO_ERROR:
+        raise RuntimeError(f"OpenGL error {found:#06x}")

@@ -25,9 +25,11 @@ HULL: Final = 1.1
 
 
 class Frame:
-    """What all items of one picture share."""
+    """Values that all items of one picture share."""
 
     def __init__(self) -> None:
+        self.number = 0
+        """Another one for each picture."""
         self.view: NDArray[np.float32] = np.eye(4, dtype=np.float32)
         self.projection: NDArray[np.float32] = np.eye(4, dtype=np.float32)
         self.size = (1.0, 1.0)
@@ -47,14 +49,18 @@ class Programs:
         self._core = core
         self._programs: dict[str, int] = {}
         self._places: dict[tuple[int, str], int] = {}
+        self._told: dict[str, int] = {}
         self.textures = Textures()
 
     def use(self, name: str, frame: Frame) -> int:
-        """Make a program current and tell it about the view."""
+        """Make a program current; tell it about the view, once a picture."""
         program = self._programs.get(name)
         if program is None:
             program = self._programs[name] = compile_program(name, core=self._core)
         GL.glUseProgram(program)
+        if self._told.get(name) == frame.number:
+            return program
+        self._told[name] = frame.number
         # Rows of numpy are columns of OpenGL: hence the transposition.
         GL.glUniformMatrix4fv(self.place(program, "u_view"), 1, GL.GL_TRUE, frame.view)
         GL.glUniformMatrix4fv(self.place(program, "u_projection"), 1, GL.GL_TRUE, frame.projection)
@@ -70,6 +76,7 @@ class Programs:
             GL.glDeleteProgram(program)
         self._programs.clear()
         self._places.clear()
+        self._told.clear()
         self.textures.free()
 
     def place(self, program: int, uniform: str) -> int:

@@ -1,4 +1,4 @@
-"""What OpenGL needs to know before the application object exists."""
+"""Settings of OpenGL that are made before the application object exists."""
 
 from __future__ import annotations
 
@@ -31,6 +31,9 @@ def prepare() -> None:
         wanted.setVersion(3, 3)
         wanted.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
     QSurfaceFormat.setDefaultFormat(wanted)
+    # A picture of hundreds of objects takes ten thousand calls: asking after each of them whether
+    # it could be done takes as long as doing it. The viewport asks once a picture.
+    os.environ.setdefault("PYOPENGL_ERROR_CHECKING", "0")
     if os.environ.get("WAYLAND_DISPLAY") and not os.environ.get("DISPLAY"):
         # PyOpenGL would look for GLX, which a Wayland session without X does not have.
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")

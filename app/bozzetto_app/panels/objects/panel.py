@@ -22,7 +22,7 @@ from bozzetto_app.panels.objects.list_widget import GROUP_KEY, KIND, ROW, Object
 from bozzetto_app.panels.objects.rows import Entry, entries_of, link_words, place_of_drop
 from bozzetto_app.style.theme import text_height
 from bozzetto_app.widgets.icon_button import IconButton
-from bozzetto_app.widgets.tab_order import put_in_tab_order
+from bozzetto_app.widgets.tab_order import last_stop, put_in_tab_order
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
@@ -34,7 +34,7 @@ __all__ = ["ObjectsPanel"]
 FLAGS = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
 
 AT_ONCE: Final = 16
-"""Rows that are made before the window is painted again, those in sight first."""
+"""Rows in sight that are made before the window is painted again."""
 
 SLICE: Final = 0.008
 """Time for which others are made between two turns of the event loop, seconds."""
@@ -108,7 +108,7 @@ class ObjectsPanel(QWidget):
         """Show the document as it is now; rows are only rebuilt if the list differs."""
         document = self._session.drawing.document
         wanted = list(
-            entries_of(document, self._session.parts.of, self._is_open, self._folded_groups)
+            entries_of(document, self._session.parts.of_model, self._is_open, self._folded_groups)
         )
         if wanted != self._entries:
             self._exchange(wanted)
@@ -138,14 +138,16 @@ class ObjectsPanel(QWidget):
         widget = self.list.itemWidget(item)
         if isinstance(widget, ModelRow):
             model = models[entry.id]
-            tree = self._session.parts.of(entry.id)
+            if self._is_shown(entry, model):
+                return
+            tree = self._session.parts.of_model(model)
             is_open = self._is_open(entry.id) if tree is not None and tree.parts else None
             link = link_words(model, document)
             if self._differs(entry, model, is_open, link):
                 widget.show_model(model, is_open, link)
                 self._name(item, model.name, link)
         elif isinstance(widget, PartRow):
-            tree = self._session.parts.of(entry.model)
+            tree = self._session.parts.of_model(models[entry.model])
             if tree is None or entry.id not in (places := self._places(tree)):
                 return
             part, depth = places[entry.id]
@@ -168,6 +170,13 @@ class ObjectsPanel(QWidget):
             self._tree = tree
             self._parts = {part.id: (part, depth) for part, depth in tree.rows()}
         return self._parts
+
+    def _is_shown(self, entry: Entry, model: Model) -> bool:
+        """Whether a row shows an object already, as is soon seen: of a thousand, few differ."""
+        before = self._shown.get(entry)
+        if before is None or before[0] is not model or model.followed or model.frozen:
+            return False
+        return before[1] is not None and before[1] is self._is_open(entry.id)
 
     def _differs(self, entry: Entry, shown: object, *how: object) -> bool:
         """Whether a row does not show this yet; it is taken to show it from now on."""
@@ -340,7 +349,7 @@ class ObjectsPanel(QWidget):
         self.list.insertItem(row, item)
 
     def _make_more(self, least: int = 0) -> None:
-        """Make what stands in rows, those in sight first, for a moment or at least so many."""
+        """Make what stands in rows for a moment, those in sight first and at least so many."""
         count = len(self._entries)
         first = max(0, self.list.indexAt(QPoint(1, 1)).row())
         end = monotonic() + SLICE
@@ -348,16 +357,18 @@ class ObjectsPanel(QWidget):
         for row in (*range(first, count), *range(first)):
             if self.list.itemWidget(self.list.item(row)) is not None:
                 continue
-            if least <= 0 and monotonic() > end:
+            if not first <= row < first + least and monotonic() > end:
                 self._soon.start()
                 return
             self._make_row(row, models)
-            least -= 1
-        rows = (self.list.itemWidget(self.list.item(row)) for row in range(count))
-        put_in_tab_order(self, (self.list, *rows, self._duplicate, self._delete))
 
     def _make_row(self, row: int, models: Mapping[str, Model]) -> None:
-        self.list.setItemWidget(self.list.item(row), self._widget(self._entries[row]))
+        widget = self._widget(self._entries[row])
+        self.list.setItemWidget(self.list.item(row), widget)
+        above = (self.list.itemWidget(self.list.item(other)) for other in reversed(range(row)))
+        nearest = next(filter(None, above), None)
+        before = self.list if nearest is None else last_stop(nearest)
+        put_in_tab_order(before, (widget,))
         self._show_row(row, models)
 
     def _current_widget(self) -> QWidget | None:

@@ -1,4 +1,4 @@
-"""What the object list lists, row by row: pure functions over the document."""
+"""Rows of the object list: pure functions over the document."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Entry(NamedTuple):
 
 def entries_of(
     document: Document,
-    parts_of: Callable[[str], PartTree | None],
+    parts_of: Callable[[Model], PartTree | None],
     is_open: Callable[[str], bool],
     folded_groups: Collection[tuple[str, str]],
 ) -> Iterator[Entry]:
@@ -44,7 +44,7 @@ def entries_of(
     document : Document
         The objects and underlays to list.
     parts_of : callable
-        Gives the parts of a model by its id.
+        Gives the parts of a model.
     is_open : callable
         Whether the parts of a model are listed, by its id.
     folded_groups : collection of (model id, part id)
@@ -52,7 +52,7 @@ def entries_of(
     """
     for model in document:
         yield Entry("model", model.id)
-        tree = parts_of(model.id) if is_open(model.id) else None
+        tree = parts_of(model) if is_open(model.id) else None
         deepest = None
         for part, depth in () if tree is None else tree.rows():
             if deepest is not None and depth > deepest:

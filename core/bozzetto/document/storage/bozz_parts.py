@@ -27,7 +27,7 @@ OWN: Final = {"mimetype", *CORE, "thumbnail.png"}
 
 
 class Manifest(msgspec.Struct):
-    """What the file is, and the kind and shape of its arrays."""
+    """Description of the file, with the kind and shape of its arrays."""
 
     format: str
     version: Annotated[int, Meta(ge=1)]

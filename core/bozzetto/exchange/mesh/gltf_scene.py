@@ -169,7 +169,7 @@ class SkinRecord(Record):
 
 
 class Target(Record):
-    """What a channel of an animation moves."""
+    """Property of a node that a channel of an animation moves."""
 
     path: str
     node: int | None = None
@@ -239,7 +239,7 @@ class Buffer(Record):
 
 
 class Asset(Record):
-    """What made the file."""
+    """Program that made the file."""
 
     version: str | float = "2.0"
 

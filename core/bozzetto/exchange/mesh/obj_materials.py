@@ -34,7 +34,7 @@ OPTIONS: Final = {"-o": 3, "-s": 3, "-t": 3, "-mm": 2, "-bm": 1, "-texres": 1, "
 
 
 class Look(NamedTuple):
-    """What is kept of a material; the picture is a file as named, seen from that of the mesh."""
+    """Kept part of a material; the picture is a file as named, seen from that of the mesh."""
 
     color: Color | None = None
     finish: Finish = "matt"

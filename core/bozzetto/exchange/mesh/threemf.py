@@ -71,7 +71,7 @@ COMPRESSION: Final = 4
 
 @dataclass
 class _Resources:
-    """What a model holds besides its objects, each with a number of its own."""
+    """Resources of a model besides its objects, each with a number of its own."""
 
     texts: list[str] = field(default_factory=list)
     pictures: dict[str, bytes] = field(default_factory=dict)

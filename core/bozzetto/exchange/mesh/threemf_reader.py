@@ -85,7 +85,7 @@ class _Object:
 
 @dataclass
 class _Package:
-    """What the models of a package hold, and the colours that they name."""
+    """Content of the models of a package, and the colours that they name."""
 
     objects: dict[Key, _Object] = field(default_factory=dict)
     palette: list[Color] = field(default_factory=list)

@@ -15,7 +15,6 @@ import queue
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -23,6 +22,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.awake_time import awake_time
 from bozzetto.document.storage.zip_container import all_finite
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.limits import Budget
@@ -149,7 +149,8 @@ _lock = threading.Lock()
 
 
 @atexit.register
-def _end_idle() -> None:
+def end_idle() -> None:
+    """End the process that waits for the next request; the next reading starts another."""
     while _idle:
         _idle.pop().end()
 
@@ -239,7 +240,7 @@ def _conversation(
 
     asking = threading.Thread(target=ask, name="bozzetto-reading", daemon=True)
     finished = False
-    until = time.monotonic() + budget.wall_seconds
+    until = awake_time() + budget.wall_seconds
     asking.start()
     try:
         answer: Any = None
@@ -249,7 +250,7 @@ def _conversation(
             except queue.Empty:
                 if checkpoint is not None:
                     checkpoint()
-                if time.monotonic() > until:
+                if awake_time() > until:
                     raise FormatError(
                         TOO_MUCH.format(what=f"{budget.wall_seconds} seconds")
                     ) from None

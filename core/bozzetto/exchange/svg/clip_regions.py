@@ -1,4 +1,4 @@
-"""What clips of SVG let through, and lines and areas cut by it."""
+"""Regions that clips of SVG let through, and lines and areas cut by them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SHORTEST: Final = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """What a clip lets through.
+    """Region that a clip lets through.
 
     Parameters
     ----------

@@ -13,8 +13,8 @@ from bozzetto.arrays import Array
 from bozzetto.cached_properties import cached_property
 from bozzetto.exchange.safe_xml import Element
 from bozzetto.exchange.svg.clip_regions import Region, Rule
+from bozzetto.exchange.svg.outlined_elements import LONGEST_LENGTH, outline
 from bozzetto.exchange.svg.path_data import Subpath, flatten
-from bozzetto.exchange.svg.shapes import LONGEST_LENGTH, outline
 from bozzetto.exchange.svg.style import Properties
 
 REFERENCE: Final = re.compile(r"\s*+url\(\s*+[\"']?#([^\"')\s]+)")
@@ -56,11 +56,11 @@ def box_of(path: Subpath) -> Box | None:
 
 
 class Own(Protocol):
-    """What an element says of itself."""
+    """Attributes that an element gives itself."""
 
     @property
     def properties(self) -> Properties:
-        """Of its look."""
+        """Properties of its look."""
 
     @property
     def matrix(self) -> Array | None:
@@ -69,7 +69,7 @@ class Own(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """What is known of a clip: measured once, however many parts of a drawing it cuts.
+    """Measured clip: once, however many parts of a drawing it cuts.
 
     Parameters
     ----------

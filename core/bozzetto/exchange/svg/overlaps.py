@@ -22,6 +22,10 @@ HAIR: Final = 1e-4
 """Half the width of what is cut away where an outline touches itself, as a share of the
 size: outlines that touch enclose no solid."""
 
+NEAR: Final = 2e-5
+"""Distance, as a share of the size, up to which outlines touch: closer ones cross once they are
+smoothed. What is cut away leaves them twice as far apart."""
+
 SPECK: Final = 1e-8
 """Area of a ring that is left out, as a share of the squared size: a rest of rounding."""
 
@@ -115,7 +119,7 @@ def _without_overlaps(
             known.add(content)
             rings.append(k)
         kept.append(k)
-    meeting = _meeting([lines[k] for k in rings])
+    meeting = _meeting([lines[k] for k in rings], NEAR)
     meeting += [(n, n) for n, k in enumerate(rings) if _meets_itself(lines[k])]
     element_of = {k: area.element for k in rings if (area := areas[k]) is not None}
     group_of = _groups([(element_of[rings[a]], element_of[rings[b]]) for a, b in meeting])
@@ -134,33 +138,42 @@ def _without_overlaps(
     return result
 
 
-def _meeting(rings: Sequence[Array]) -> list[tuple[int, int]]:
-    """Return pairs of different rings that share a point: enough to connect all that meet.
+def _meeting(rings: Sequence[Array], near: float) -> list[tuple[int, int]]:
+    """Return pairs of different rings that touch: enough to connect all that meet.
 
     Sides of rings that others connect already are not looked at. Raises `TooManyPairs`.
+
+    Parameters
+    ----------
+    rings : sequence of (n, 2) arrays
+        Closed.
+    near : float
+        Distance up to which they touch, as a share of the size of all.
     """
     import shapely
 
     if len(rings) < 2:
         return []
-    boxes = shapely.box(*np.array([(*ring.min(axis=0), *ring.max(axis=0)) for ring in rings]).T)
-    near = [pair for pair in _near(boxes, 2 * MAX_MEETINGS) if len(pair)]
-    if not near:
+    low, high = (np.array([end(ring, axis=0) for ring in rings]) for end in (np.min, np.max))
+    reach = near * float((high.max(axis=0) - low.min(axis=0)).max())
+    boxes = shapely.box(*(low - reach).T, *(high + reach).T)
+    close = [pair for pair in _near(boxes, 2 * MAX_MEETINGS) if len(pair)]
+    if not close:
         return []
-    involved = np.unique(np.concatenate(near))
+    involved = np.unique(np.concatenate(close))
     sides = [_sides(rings[k]) for k in involved]
     owner = np.repeat(involved, [len(part) for part in sides])
     row = np.concatenate(sides)
     tested = 0
     joined = _Joined(len(rings))
-    for pairs in _near(row, MAX_NEAR):
+    for pairs in _near(row, MAX_NEAR, reach):
         for first in range(0, len(pairs), PAIRS_BETWEEN):
             some = pairs[first : first + PAIRS_BETWEEN]
             some = some[joined.apart(owner[some])]
             tested += len(some)
             if tested > MAX_TESTED:
                 raise TooManyPairs
-            joined.take(owner[some[shapely.intersects(row[some[:, 0]], row[some[:, 1]])]])
+            joined.take(owner[some[shapely.dwithin(*row[some.T], reach)]])
     return joined.pairs
 
 
@@ -172,8 +185,10 @@ def _sides(ring: Array) -> NDArray[np.object_]:
     return sides
 
 
-def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
+def _near(shapes: NDArray[np.object_], limit: int, reach: float = 0.0) -> Iterator[Index]:
     """Yield pairs (k, 2) of different shapes whose boxes overlap, each once, some at a time.
+
+    With a reach, boxes that are so far apart at most in either direction count as well.
 
     Raises `TooManyPairs` where there are more than `limit`.
     """
@@ -183,7 +198,11 @@ def _near(shapes: NDArray[np.object_], limit: int) -> Iterator[Index]:
     step = max(1, PAIRS_AT_ONCE // max(1, len(shapes)))
     count = 0
     for first in range(0, len(shapes), step):
-        a, b = tree.query(shapes[first : first + step])
+        some = shapes[first : first + step]
+        if reach:
+            left, bottom, right, top = shapely.bounds(some).T
+            some = shapely.box(left - reach, bottom - reach, right + reach, top + reach)
+        a, b = tree.query(some)
         a = a + first
         once = a < b
         count += int(once.sum())
@@ -304,8 +323,8 @@ def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]
     painted = [CrossSection(contours, rules[area.rule]) for area, contours in by_area.items()]
     whole: Any = CrossSection.batch_boolean(painted, OpType.Add)
     found = _closed(whole.to_polygons())
-    if _meeting(found) or not all(_is_simple(ring) for ring in found):
-        for change in (-HAIR, HAIR):
+    if _meeting(found, NEAR) or not all(_is_simple(ring) for ring in found):
+        for change in (-HAIR, HAIR - NEAR):
             whole = whole.offset(change, JoinType.Round, 2.0, ARC_CORNERS)
         found = _closed(whole.to_polygons())
     return [ring * size + low for ring in found]

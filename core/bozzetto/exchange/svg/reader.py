@@ -29,9 +29,7 @@ from bozzetto.exchange.page_layout import Sheet, sheet_drawing
 from bozzetto.exchange.safe_xml import Element, parse_xml
 from bozzetto.exchange.svg.clip_regions import MAX_EFFORT, Region, clipped
 from bozzetto.exchange.svg.clips import Box, Clip, box_of, lies_apart, lies_within, named_clip
-from bozzetto.exchange.svg.overlaps import Area, TooManyPairs, without_overlaps
-from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flatten
-from bozzetto.exchange.svg.shapes import (
+from bozzetto.exchange.svg.outlined_elements import (
     LONGEST_LENGTH,
     NUMBER,
     SPACE,
@@ -43,6 +41,8 @@ from bozzetto.exchange.svg.shapes import (
     shift,
     transform,
 )
+from bozzetto.exchange.svg.overlaps import Area, TooManyPairs, without_overlaps
+from bozzetto.exchange.svg.path_data import MAX_PIECES, Subpath, chord_counts, flatten
 from bozzetto.exchange.svg.style import Look, Properties, Sheets
 from bozzetto.exchange.svg.writer import write_drawing as write_drawing
 from bozzetto.exchange.svg.writer import write_view as write_view

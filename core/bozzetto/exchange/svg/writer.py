@@ -13,9 +13,9 @@ from bozzetto.exchange.cad.cad_curves import RESOLUTION, checked_curves
 from bozzetto.exchange.page_layout import Sheet
 from bozzetto.exchange.safe_xml import writable
 from bozzetto.exchange.svg.curves import FRONT, PLAN, camera_matrix, picture
+from bozzetto.exchange.svg.outlined_elements import SPACE
 from bozzetto.exchange.svg.page_clip import clip_path
 from bozzetto.exchange.svg.path_data import Subpath, flatten
-from bozzetto.exchange.svg.shapes import SPACE
 from bozzetto.exchange.svg.style import Color
 from bozzetto.geometry.shapes import Curve, Shapes
 from bozzetto.ink.drawing import Drawing

@@ -46,7 +46,7 @@ _Key = tuple[int, str]
 
 
 class _Arc(NamedTuple):
-    """What a prim takes from elsewhere: a path in a file of the scene, or in another file."""
+    """Source of a prim: a path in a file of the scene, or in another file."""
 
     layer: ReadPrim
     named: Target | Asset

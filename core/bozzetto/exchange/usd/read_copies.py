@@ -1,4 +1,4 @@
-"""What a USD scene scatters: copies of prims at points (``PointInstancer``)."""
+"""Copies of prims that a USD scene scatters at points (``PointInstancer``)."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Moved(NamedTuple):
 
 
 class ReadLook(NamedTuple):
-    """What is kept of a material; the picture is a file as named in the scene.
+    """Kept part of a material; the picture is a file as named in the scene.
 
     `places` is the primvar that says where the picture lies; empty where the material names none.
     """

@@ -44,7 +44,7 @@ class Bitmap(NamedTuple):
 
 
 class Square:
-    """What is taken of a square of so many cells along a side."""
+    """Occupied cells of a square with so many cells along a side."""
 
     def __init__(self, cells: int) -> None:
         self.cells = cells

@@ -200,7 +200,7 @@ class _Sketch(NamedTuple):
 
 
 class _Tried(NamedTuple):
-    """What some cuts give: how full the square is, less their price, and all parts."""
+    """Result of some cuts: how full the square is, less their price, and all parts."""
 
     worth: float
     side: int | None

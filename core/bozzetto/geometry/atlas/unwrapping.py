@@ -100,7 +100,7 @@ class Chart:
 
     @cached_property
     def outline(self) -> Outline:
-        """What packing needs."""
+        """Outline of the chart, as packing needs it."""
         rings = [self.places[ring] for ring in borders(self.piece.triangles)]
         return Outline(rings, float(areas(self.corners).sum()))
 

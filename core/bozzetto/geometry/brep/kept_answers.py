@@ -1,4 +1,4 @@
-"""What follows from a frozen value alone, kept with it for as long as it lives.
+"""Answers that follow from a frozen value alone, kept with it for as long as it lives.
 
 Shapes that are changed step by step share most of their surfaces and edges from one step to the
 next. What was found of these is not worked out again, and goes when they go.

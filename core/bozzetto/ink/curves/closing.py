@@ -102,14 +102,14 @@ def close_stroke(points: ArrayLike) -> Array:
     length = float(along[-1])
     if len(place) < 3:
         return place
-    begin, end = _best_joint(place, along, length)
+    begin, end = best_joint(place, along, length)
     inner = (along > begin) & (along < end)
     first, last = (points_along(place, along, at) for at in (begin, end))
     loop = np.vstack((first, place[inner], last))
     return loop[distinct(loop, closed=True)]
 
 
-def _best_joint(place: Array, along: Array, length: float) -> tuple[float, float]:
+def best_joint(place: Array, along: Array, length: float) -> tuple[float, float]:
     """Return the arc lengths at which to cut the beginning and the end."""
     reach = END_SHARE * length
     heads = np.linspace(0.0, reach, SEARCH_POINTS)

@@ -16,7 +16,7 @@ from bozzetto.ink.curves.smooth import smooth
 from bozzetto.ink.trace.corners import split_at_corners
 from bozzetto.ink.trace.gaps import TOUCHING, bridged, is_closed
 from bozzetto.ink.trace.junctions import joined_lines
-from bozzetto.ink.trace.page import find_page, straightened
+from bozzetto.ink.trace.photographed_page import find_page, straightened
 from bozzetto.ink.trace.skeleton import Skeleton, length, skeleton_of
 from bozzetto.ink.trace.threshold import InkMask, darkness_of, gray_of, ink_mask
 

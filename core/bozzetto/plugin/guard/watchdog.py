@@ -14,11 +14,13 @@ dropped, but it keeps a core busy until the program ends.
 from __future__ import annotations
 
 import ctypes
+import sys
 import threading
-import time
+import traceback
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
+from bozzetto.awake_time import awake_time, wait_awake
 from bozzetto.plugin.guard.argument_snapshot import ArgumentSnapshot
 from bozzetto.plugin.guard.guard import Guard, Overrun, PluginFault
 
@@ -45,6 +47,13 @@ def interrupt(thread: threading.Thread) -> bool:
         ctypes.c_ulong(thread.ident), ctypes.py_object(Overrun)
     )
     return bool(planted == 1)
+
+
+def stack_of(thread: threading.Thread | None) -> str:
+    """Return what a thread is doing, as in a traceback; "" if it has ended."""
+    # Python has no other way to look at a thread from outside of it.
+    frame = sys._current_frames().get((thread and thread.ident) or 0)  # noqa: SLF001
+    return "".join(traceback.format_stack(frame)) if frame is not None else ""
 
 
 class _Call(Generic[Answer]):
@@ -97,9 +106,9 @@ class Watchdog:
         """
         before = ArgumentSnapshot(arguments)
         call = _Call(lambda: self.guard.call(modeler_id, what, function, *arguments))
-        if not call.ended.wait(self.limit):
-            until = time.monotonic() + GRACE
-            while not call.ended.is_set() and time.monotonic() < until:
+        if not wait_awake(call.ended, self.limit):
+            until = awake_time() + GRACE
+            while not call.ended.is_set() and awake_time() < until:
                 interrupt(call.thread)
                 call.ended.wait(REPEAT)
             before.restore()

@@ -30,7 +30,7 @@ SOFT: Final = 0.10
 
 
 class Sheen(NamedTuple):
-    """What a finish does with light, shares of white.
+    """Highlight of a finish, shares of white.
 
     Attributes
     ----------

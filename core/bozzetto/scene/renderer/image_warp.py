@@ -60,7 +60,7 @@ def warp(pixels: Bytes, place: Place, box: Box) -> Bytes:
         (x0, y0), (x1, y1) = low.tolist(), high.tolist()
         if x1 <= x0 or y1 <= y0:
             continue
-        part = _interpolated(pixels, factors, place.matrix, (x0, y0, x1, y1))
+        part = interpolated(pixels, factors, place.matrix, (x0, y0, x1, y1))
         target = result[y0 - top : y1 - top, x0 - left : x1 - left]
         if len(strips) == 1 and not place.is_cut:
             target[:] = part
@@ -121,7 +121,7 @@ def _over(plane: Array, box: Box) -> Floats:
     return np.asarray(x.astype(np.float32) + y.astype(np.float32)[:, None])
 
 
-def _interpolated(
+def interpolated(
     pixels: Bytes, factors: tuple[int, int], matrix: Array, box: Box
 ) -> NDArray[np.uint32]:
     """Sample a reduced picture at the middles of the pixels of a box, bilinear; 0 beside it."""

@@ -12,6 +12,8 @@ from PySide6.QtWidgets import QApplication
 from bozzetto.plugin.gesture import Tap
 from bozzetto.scene import Scene
 from bozzetto_app.canvas.input.stroke_samples import PressureCurve
+from bozzetto_app.canvas.overlay.wet_ink import PEN_TIP
+from tests.app.seen import colour, darkness
 
 LEFT, RIGHT, MIDDLE = (
     Qt.MouseButton.LeftButton,
@@ -221,14 +223,21 @@ def test_a_tap_knows_shift_and_ctrl(session, pen):
 
 
 def test_hovering_shows_the_ring_and_pressing_takes_it_away(canvas, pen):
+    def ring_at(x, y):
+        """How dark it is on the ring that hovering shows about a place, on its four sides."""
+        ink, away = darkness(canvas.overlay), round(0.5 * max(PEN_TIP.size, 7.0))
+        sides = ((x - away, y), (x + away, y), (x, y - away), (x, y + away))
+        return min(ink[y - 1 : y + 2, x - 1 : x + 2].max() for x, y in sides)
+
     pen.move(200, 200)
-    assert canvas.overlay._ring[:2] == (200, 200)
+    assert ring_at(200, 200) > 0.1
     pen.press(200, 200)
-    assert canvas.overlay._ring is None
+    assert ring_at(200, 200) == 0.0
     pen.release(200, 200)
     pen.move(210, 200)
+    assert ring_at(210, 200) > 0.1
     pen.leaves()
-    assert canvas.overlay._ring is None
+    assert ring_at(210, 200) == 0.0
 
 
 def test_no_light_stays_where_a_handle_was(session, canvas, pen, box_scene):
@@ -237,20 +246,21 @@ def test_no_light_stays_where_a_handle_was(session, canvas, pen, box_scene):
     session.toolbox.tool = "edit"
     ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
     pen.move(x, y)
-    assert canvas.overlay._hot is not None
+    assert colour(canvas.overlay).max() > 0.2
     pen.press(x, y)
     pen.move(x + 60, y)
     pen.release(x + 60, y)
     session.scene.show(Scene())
-    assert canvas.overlay._hot is None
+    assert colour(canvas.overlay).max() < 0.05
 
 
 def test_a_handle_lights_up_and_is_dragged(session, canvas, pen, box_scene):
     session.scene.show(box_scene)
     session.toolbox.tool = "edit"
     ((x, y),), _ = session.view.camera.project([(50.0, -50.0, 50.0)])
+    assert colour(canvas.overlay).max() < 0.05
     pen.move(x + 15, y)
-    assert canvas.overlay._hot is not None
+    assert colour(canvas.overlay).max() > 0.2
     pen.press(x + 15, y)
     for step in range(5):
         pen.move(x + 20 + 10 * step, y)

@@ -15,7 +15,8 @@ from bozzetto.plugin.gesture import Tap
 from bozzetto.scene import DARK, LIGHT, Handle, Image, Layer, Lines, Points, Scene
 from bozzetto.view import Camera
 from bozzetto_app.canvas.input.state_machine import Mode
-from bozzetto_app.canvas.overlay.loupe import DIAMETER, MAGNIFICATION, Loupe, _within, place_beside
+from bozzetto_app.canvas.overlay.loupe import DIAMETER, MAGNIFICATION, Loupe, place_beside
+from bozzetto_app.canvas.screen_limits import pieces_within
 from tests.app.canvas.conftest import FakeTool, Pen
 
 FRONT = Camera("orthographic", eye=(0.0, -900.0, 0.0), height=600.0, viewport=(800.0, 600.0))
@@ -189,7 +190,7 @@ def checks(size, field):
 def bare(qtbot, canvas):
     shown = QImage(800, 600, QImage.Format.Format_RGB32)
     shown.fill(QColor(10, 120, 200))
-    made = Loupe(lambda: shown, canvas)
+    made = Loupe(lambda: made.sheet, canvas)
     made.sheet = shown
     return made
 
@@ -217,7 +218,7 @@ def test_a_coarser_or_finer_frame_is_the_same_sheet(bare):
                 frame.setPixelColor(
                     round(400 * factor) + x, round(300 * factor) + y, QColor("white")
                 )
-        bare._shown = lambda frame=frame: frame
+        bare.sheet = frame
         bare.point(400.0, 300.0)
         picture = seen(bare)
         middle = picture.shape[0] // 2
@@ -331,7 +332,7 @@ def test_lines_are_cut_as_shapely_cuts_them():
         for pair in zip(begins, ends, strict=True)
         if (cut := shapely.LineString(pair).intersection(square)).length
     ]
-    pieces = _within(begins, ends, 90.0)
+    pieces = pieces_within(begins, ends, 90.0)
     np.testing.assert_allclose(np.hypot(*(pieces[:, 2:] - pieces[:, :2]).T), wanted)
     odd = np.array([(np.nan, 0.0), (np.inf, 5.0), (1e300, -1e300), (200.0, 200.0)])
-    assert len(_within(odd, odd, 90.0)) == 0
+    assert len(pieces_within(odd, odd, 90.0)) == 0

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+import threading
 from dataclasses import replace
 from time import perf_counter, sleep
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QTimer
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
@@ -17,6 +20,7 @@ from bozzetto.scene import DARK, LIGHT, Image, Layer, Lines, Points, Scene, Shad
 from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera
 from bozzetto.view.standard_views import standard_view
+from bozzetto_app.canvas.viewport import software
 from bozzetto_app.canvas.viewport.protocol import choose_backend
 from bozzetto_app.canvas.viewport.software import REST, SoftwareViewport
 from tests.core.scene.shapes import scene_of, sphere
@@ -338,82 +342,83 @@ def test_frames_are_made_beside_the_window_and_the_newest_wins(qtbot, box_scene)
     for name in ("front", "top", "right", "three-quarter"):
         viewport.set_camera(standard_view(CAMERA, name))
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    shown = pixels(viewport._frame)
+    shown = pixels(viewport.shown())
     np.testing.assert_array_equal(shown, pixels(viewport.grab()))
 
 
-def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(qtbot, box_scene):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
-    viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    viewport._frame_time = 10.0  # as on a slow machine
+def test_slow_frames_are_coarse_while_a_value_is_dragged_and_sharp_at_rest(
+    qtbot, box_scene, monkeypatch
+):
+    viewport = shown_software(qtbot)
+    with monkeypatch.context() as slow:  # as on a machine that takes 10 s for a frame
+        slow.setattr(software, "perf_counter", itertools.count(0.0, 10.0).__next__)
+        viewport.set_scene(box_scene)
+        qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     viewport.set_scene(Scene(box_scene.layers), moving=True)
-    qtbot.waitUntil(lambda: viewport._frame.width() < SIZE[0] // 2, timeout=5000)
+    qtbot.waitUntil(lambda: viewport.shown().width() < SIZE[0] // 2, timeout=5000)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    assert viewport._frame.width() == SIZE[0]
+    assert viewport.shown().width() == SIZE[0]
 
 
 def test_shapes_that_come_slowly_get_no_sharp_frame_between_them(qtbot, box_scene, monkeypatch):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
-    viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    clock = 1000.0
+    viewport = shown_software(qtbot, box_scene)
+    clock, rest = 1000.0, rest_of(viewport)
     monkeypatch.setattr("bozzetto_app.canvas.viewport.software.perf_counter", lambda: clock)
     rests = []
     for wait in (0.0, 0.5, 0.7, 0.1, 30.0):
         clock += wait
-        viewport._rest.stop()
+        rest.stop()
         viewport.set_scene(Scene(box_scene.layers), moving=True)
-        rests.append(viewport._rest.interval() / 1000.0)
+        rests.append(rest.interval() / 1000.0)
     assert min(rests) == rests[0] == rests[3] == rests[4], "nothing is known of the next shape"
     assert rests[1] > 0.5
     assert rests[2] > 0.7
-    viewport._rest.start(5000)
+    rest.start(5000)
     viewport.set_scene(Scene(box_scene.layers))
-    assert viewport._rest.interval() == REST, "the last shape is sharp as soon as after a turn"
+    assert rest.interval() == REST, "the last shape is sharp as soon as after a turn"
 
 
 def test_the_very_same_scene_is_not_drawn_again(qtbot, box_scene):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
-    viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
+    viewport = shown_software(qtbot, box_scene)
     viewport.set_scene(box_scene)
     assert not viewport.is_waiting
 
 
-def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(qtbot, box_scene):
-    viewport = SoftwareViewport()
-    qtbot.addWidget(viewport)
-    viewport.resize(*SIZE)
-    viewport.show()
-    viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    viewport._frame_time = 10.0  # as on a slow machine
+def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(
+    qtbot, box_scene, monkeypatch
+):
+    viewport = shown_software(qtbot)
+    with monkeypatch.context() as slow:  # as on a machine that takes 10 s for a frame
+        slow.setattr(software, "perf_counter", itertools.count(0.0, 10.0).__next__)
+        viewport.set_scene(box_scene)
+        qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     widths = set()
     for angle in range(10):
         viewport.set_camera(Camera(eye=(30.0 * angle, -500.0, 100.0), viewport=SIZE))
         qtbot.wait(30)
-        widths.add(viewport._frame.width())
+        widths.add(viewport.shown().width())
     assert SIZE[0] * 3 // 10 in widths
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
-    assert viewport._frame.width() == SIZE[0]
+    assert viewport.shown().width() == SIZE[0]
 
 
-def slow_render(monkeypatch, full, coarse=0.02):
-    """Frames that take so many seconds, looking up every hundredth; gives what became of them."""
+def rest_of(viewport):
+    """The timer at whose end a coarse frame is made sharp."""
+    (rest,) = (timer for timer in viewport.findChildren(QTimer) if timer.interval() == REST)
+    return rest
+
+
+def slow_render(monkeypatch, full, coarse=0.02, started=None):
+    """Frames that take so many seconds, looking up every hundredth; gives what became of them.
+
+    A worker sets `started` (an event) when it begins one.
+    """
     became = []
 
     def drawn(scene, camera, palette, *, size, scale, shading, antialias, checkpoint):
         begun = perf_counter()
+        if started is not None:
+            started.set()
         try:
             while perf_counter() - begun < (full if scale == 1.0 else coarse):
                 sleep(0.01)
@@ -429,11 +434,14 @@ def slow_render(monkeypatch, full, coarse=0.02):
     return became
 
 
-def shown_software(qtbot):
+def shown_software(qtbot, scene=None):
+    """A viewport that has painted a scene, or an empty sheet, and rests."""
     viewport = SoftwareViewport()
     qtbot.addWidget(viewport)
     viewport.resize(*SIZE)
     viewport.show()
+    if scene is not None:
+        viewport.set_scene(scene)
     qtbot.waitUntil(lambda: not viewport.shown().isNull(), timeout=9000)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
     return viewport
@@ -455,9 +463,10 @@ def test_a_long_frame_is_given_up_for_a_newer_one(qtbot, monkeypatch, box_scene)
 def test_a_short_frame_is_shown_although_a_newer_one_is_wanted(qtbot, monkeypatch, box_scene):
     viewport = shown_software(qtbot)
     monkeypatch.setattr("bozzetto_app.canvas.viewport.software.PATIENCE", 3.0)
-    became = slow_render(monkeypatch, full=0.1)
+    started = threading.Event()
+    became = slow_render(monkeypatch, full=0.1, started=started)
     viewport.set_scene(box_scene)
-    qtbot.waitUntil(lambda: viewport._channel.busy, timeout=5000)
+    qtbot.waitUntil(started.is_set, timeout=5000)
     viewport.set_palette(DARK)
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     assert [what for what, *_ in became] == ["shown", "shown"]
@@ -469,7 +478,7 @@ def test_what_changes_at_once_makes_one_frame(qtbot, monkeypatch, box_scene):
     viewport.set_camera(Camera(eye=(10.0, -480.0, 90.0), viewport=SIZE))
     viewport.set_scene(box_scene)
     viewport.set_live(Scene((Layer("live", (Points([(1.0, 0.0, 0.0)]),)),)))
-    viewport._rest.stop()  # that frame is as sharp as one at rest
+    rest_of(viewport).stop()  # that frame is as sharp as one at rest
     assert viewport.is_waiting
     qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=5000)
     assert [what for what, *_ in became] == ["shown"]
@@ -510,12 +519,26 @@ def test_a_viewport_that_was_released_still_paints(make):
 
 
 @pytest.mark.gl
-def test_what_lies_on_the_card_is_given_back(qtbot):
+def test_what_lies_on_the_card_is_given_back(qtbot, monkeypatch):
     """Contexts share programs, buffers and pictures: closing one of them frees nothing."""
     if choose_backend() != "gl":
         pytest.skip("no OpenGL here")
     from OpenGL import GL
 
+    programs, buffers = [], []
+    make_program, make_buffers = GL.glCreateProgram, GL.glGenBuffers
+
+    def program():
+        programs.append(make_program())
+        return programs[-1]
+
+    def several(count):
+        made = make_buffers(count)
+        buffers.extend(int(name) for name in np.atleast_1d(made))
+        return made
+
+    monkeypatch.setattr(GL, "glCreateProgram", program)
+    monkeypatch.setattr(GL, "glGenBuffers", several)
     viewport = gl_viewport()
     qtbot.addWidget(viewport)
     viewport.resize(*SIZE)
@@ -525,8 +548,6 @@ def test_what_lies_on_the_card_is_given_back(qtbot):
     qtbot.waitExposed(viewport)
     viewport.set_scene(scene_of(Shaded(sphere(30.0))))
     viewport.grab()
-    programs = list(viewport.programs._programs.values())
-    buffers = [b for items in viewport._shown.values() for i in items for b in i._buffers or ()]
     assert programs
     assert buffers
     viewport.release()
@@ -534,3 +555,32 @@ def test_what_lies_on_the_card_is_given_back(qtbot):
     assert not any(GL.glIsProgram(program) for program in programs)
     assert not any(GL.glIsBuffer(buffer) for buffer in buffers)
     viewport.doneCurrent()
+
+
+@pytest.mark.gl
+def test_what_opengl_cannot_do_is_noticed(qtbot, monkeypatch):
+    """It is asked once a picture, not after each call."""
+    if choose_backend() != "gl":
+        pytest.skip("no OpenGL here")
+    from OpenGL import GL
+
+    from bozzetto_app.canvas.viewport.opengl_items import SurfaceItem
+
+    viewport = gl_viewport()
+    qtbot.addWidget(viewport)
+    viewport.resize(*SIZE)
+    viewport.set_palette(LIGHT)
+    viewport.set_camera(CAMERA)
+    viewport.set_scene(scene_of(Shaded(sphere(30.0))))
+    with qtbot.waitSignal(viewport.proved):
+        viewport.show()
+    draw = SurfaceItem.passes
+
+    def fails(item, *given):
+        draw(item, *given)
+        GL.glEnable(0xFFFF)
+
+    monkeypatch.setattr(SurfaceItem, "passes", fails)
+    with qtbot.waitSignal(viewport.failed) as told:
+        viewport.update()
+    assert "OpenGL error" in told.args[0]

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from bozzetto.document.model import Document
+from bozzetto.document.model import Document, Model
 from bozzetto_app.panels.objects.object_row import ModelRow, UnderlayRow
 from bozzetto_app.panels.objects.panel import ObjectsPanel
 from bozzetto_app.widgets.swatch import chart
 from tests.app import fake_session as fakes
+from tests.app.seen import button, words
 
 
 @pytest.fixture
@@ -132,7 +133,7 @@ def test_colours(panel, fake_session):
     popup = saddle.swatch.open_chart()
     discs = {b.accessibleName(): b for b in popup.findChildren(type(saddle.swatch).__mro__[1])}
     discs["Slate"].click()
-    saddle.swatch.open_chart()._take(None)
+    button(saddle.swatch.open_chart(), "Clay").click()
     wanted = dict(chart())["Slate"]
     assert fake_session.calls.named("objects.set_color") == [
         (("m2", wanted), {}),
@@ -141,10 +142,10 @@ def test_colours(panel, fake_session):
 
 
 def test_deleting_and_duplicating(panel, fake_session):
-    panel._duplicate.click()
-    panel._delete.click()
+    button(panel, "Duplicate").click()
+    button(panel, "Delete").click()
     panel.list.setCurrentRow(5)
-    assert not panel._duplicate.isEnabled()
+    assert not button(panel, "Duplicate").isEnabled()
     QTest.keyClick(panel.list, Qt.Key.Key_Delete)
     assert fake_session.calls.named("objects.duplicate") == [(("m1",), {})]
     assert fake_session.calls.named("objects.delete") == [(("m1",), {})]
@@ -218,8 +219,8 @@ def test_rows_stay_while_only_their_content_changes(panel, fake_session):
 def test_an_empty_sheet_says_so(panel, fake_session):
     fake_session.drawing.document, fake_session.selection.id = Document(), None
     fake_session.drawing.changed.emit()
-    assert panel._empty.isVisible()
-    assert not panel._delete.isEnabled()
+    assert "Nothing drawn yet." in words(panel)
+    assert not button(panel, "Delete").isEnabled()
 
 
 @pytest.fixture
@@ -271,3 +272,24 @@ def test_only_rows_of_what_is_another_are_shown_anew(crowd, fake_session, qtbot,
     fake_session.drawing.changed.emit()
     assert shown == ["n7"]
     assert "Foal" in [row.name.text() for row in rows(crowd, ModelRow)]
+
+
+def test_a_long_list_looks_for_no_object_one_by_one(qtbot, fake_session, monkeypatch):
+    """A search for each row would take a hundred times as long for ten times as many."""
+    models = tuple(
+        Model(f"many-{k}", f"Shape {k}", "bozzetto.silhouette", None) for k in range(200)
+    )
+    fake_session.drawing.document = Document(models)
+    panel = ObjectsPanel(fake_session)
+    qtbot.addWidget(panel)
+    qtbot.waitUntil(lambda: all(
+        panel.list.itemWidget(panel.list.item(row)) for row in range(panel.list.count())
+    ))  # fmt: skip
+    searches = []
+    place_of = Document.place_of
+    monkeypatch.setattr(
+        Document, "place_of", lambda *given: searches.append(given) or place_of(*given)
+    )
+    fake_session.selection.select("many-150")
+    panel.refresh()
+    assert len(searches) <= 5

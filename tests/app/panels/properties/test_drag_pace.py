@@ -33,7 +33,8 @@ def test_the_last_value_is_taken_when_the_drag_ends_and_only_once(qtbot, pace, t
     pace.change(2, True)
     pace.end()
     assert taken == [(1, True), (2, True)]
-    assert not pace._beat.isActive()
+    pace.change(3, True)
+    assert taken[-1] == (3, True), "the next drag begins at once"
 
 
 def test_a_value_that_is_no_drag_overtakes_what_waits(pace, taken):

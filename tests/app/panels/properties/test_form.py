@@ -16,6 +16,7 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.panels.properties import form
 from bozzetto_app.panels.properties.form import ParametersPanel
 from bozzetto_app.panels.properties.parameter_row import ParameterRow
+from bozzetto_app.session.selection import why_locked
 from bozzetto_app.settings import settings
 from bozzetto_app.widgets.choice import ChoiceBox, Segments
 from bozzetto_app.widgets.number_field import NumberField
@@ -24,6 +25,7 @@ from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import chart
 from bozzetto_app.widgets.toggle import Toggle
 from tests.app import fake_session as fakes
+from tests.app.seen import button
 
 
 @pytest.fixture
@@ -114,7 +116,7 @@ def test_the_slider_catches_the_default(panel, fake_session):
 def test_a_switch_and_choices_call_once(panel, fake_session):
     row(panel, "mirrored").findChild(Toggle).click()
     segments = row(panel, "ends").findChild(Segments)
-    segments._buttons["flat"].click()
+    button(segments, "Flat").click()
     box = row(panel, "material").findChild(ChoiceBox)
     box.setCurrentIndex(2)
     box.activated.emit(2)
@@ -180,7 +182,7 @@ def test_advanced_is_folded_and_remembered(qtbot, panel, fake_session):
     inside = [r.field.name for r in section.findChildren(ParameterRow)]
     assert inside == ["resolution", "tolerance"]
     assert not section.is_open
-    section._heading.click()
+    button(section, "Advanced").click()
     again = ParametersPanel(fake_session)
     qtbot.addWidget(again)
     form_of(again)
@@ -197,7 +199,7 @@ def test_another_selection_makes_another_form(panel, fake_session):
     fake_session.selection.id = None
     fake_session.selection.changed.emit()
     assert form_of(panel).rows == {}
-    assert panel._empty.isVisible()
+    assert "Draw or choose an object" in words(panel)
 
 
 def choose(session, model_id):
@@ -208,7 +210,7 @@ def choose(session, model_id):
 def test_a_form_is_there_again_with_the_values_and_folds_of_now(panel, fake_session):
     before, chosen = form_of(panel), fake_session.selection.id
     (section,) = (s for s in panel.findChildren(Section) if s.findChildren(ParameterRow))
-    section._heading.click()
+    button(section, "Advanced").click()
     panel.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     panel.setFocus()
     choose(fake_session, None)
@@ -245,7 +247,7 @@ def test_a_locked_object_cannot_be_changed(panel, fake_session):
     fake_session.selection.id = "m4"
     fake_session.selection.changed.emit()
     assert not row(panel, "length").isEnabled()
-    assert panel._locked.isVisible()
+    assert why_locked() in words(panel)
     models = tuple(replace(m, locked=False) for m in fake_session.drawing.document.models)
     fake_session.drawing.document = replace(fake_session.drawing.document, models=models)
     fake_session.drawing.changed.emit()
@@ -368,7 +370,7 @@ def test_a_colour_is_chosen_from_the_chart_or_taken_back(with_parts, fake_sessio
     assert "Clay" in swatch.accessibleName()
     popup = swatch.open_chart()
     wanted = dict(chart())["Slate"]
-    popup._take(wanted)
+    button(popup, "Slate").click()
     assert fake_session.calls.named("parts.set_parameter") == [
         (("color", wanted), {"dragging": False})
     ]

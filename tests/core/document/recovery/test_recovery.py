@@ -22,6 +22,7 @@ from bozzetto.document.storage.bozz_file import encode_document, open_document, 
 from bozzetto.document.storage.bozz_reader import parse_document
 from bozzetto.errors import DocumentError, UserError
 from bozzetto.ink.stroke import Strokes
+from tests.dead_process import crash
 from tests.document_kit import (
     CAMERA,
     SIDE,
@@ -35,13 +36,6 @@ from tests.document_kit import (
     underlay,
     waiting_ink,
 )
-
-
-def crash(session) -> None:
-    """Leave a session as a dead process does: the lock file stays, and nobody holds it."""
-    session._journal.close()
-    os.close(session._lock._handle)
-    session._lock._handle = -1
 
 
 def random_edit(document: Document, rng: random.Random) -> Document:
@@ -263,8 +257,9 @@ def _ink_waits(session, document, path):
 
 
 def _drawn_on_until_a_new_base(session, document, path):
+    (journal,) = session.folder.glob("journal-*")
+    journal.unlink()  # what is recorded then begins with a new base
     session.record(document.without_model("m3"))
-    session._rebase(document.without_model("m3"))
 
 
 def _damaged_journal(session, document, path):

@@ -540,6 +540,27 @@ def test_joining_is_exact_at_any_scale_and_place(scale):
     assert painted(body).area == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.parametrize("gap", [-1e-4, -1e-9, 0.0, 1e-9, 3e-6, 1e-5, 1.5e-5, 1e-3])
+@pytest.mark.parametrize("turn", [0.0, 0.7, 2.0, 4.4])
+def test_what_touches_by_a_hair_is_apart_or_one(gap, turn):
+    """A pupil at the rim of an eye: smoothed, its outline crossed the other one."""
+    size, eye, pupil = 200.0, 60.0, 25.0
+    off = eye - pupil - gap * size
+    body = (
+        f'<path fill-rule="evenodd" d="M-100 -100H100V100H-100z M{eye} 0A{eye} {eye} 0 1 0 -{eye} 0'
+        f'A{eye} {eye} 0 1 0 {eye} 0z"/>'
+        f'<circle cx="{off * math.cos(turn)}" cy="{off * math.sin(turn)}" r="{pupil}"/>'
+    )
+    found = lines(body)
+    distances = [
+        shapely.LinearRing(one).distance(shapely.LinearRing(two))
+        for number, one in enumerate(found) for two in found[:number]
+    ]  # fmt: skip
+    assert min(distances) > 2e-5 * size
+    expected = size**2 - math.pi * (eye**2 - pupil**2)
+    assert painted(body).area == pytest.approx(expected, rel=2e-3)
+
+
 def test_a_slit_to_a_hole_is_none():
     keyhole = "M0 0H40V20H30V10H10V30H30V20H40V40H0z"
     assert painted(f'<path d="{keyhole}"/>').area == pytest.approx(1200, rel=1e-3)

@@ -106,7 +106,7 @@ def test_outlines_drawn_in_one_stroke_are_seen_as_closed():
 
 def test_the_cheapest_crossing_is_found_among_many():
     """Against the plain way: one crossing after the other."""
-    from bozzetto.ink.curves.closing import END_SHARE, SEARCH_POINTS, TRIM_COST, _best_joint
+    from bozzetto.ink.curves.closing import END_SHARE, SEARCH_POINTS, TRIM_COST, best_joint
     from bozzetto.ink.curves.intersections import self_crossings
     from bozzetto.ink.curves.resample import arc_length
 
@@ -116,7 +116,7 @@ def test_the_cheapest_crossing_is_found_among_many():
         place = rng.uniform(0.0, 100.0, (40, 2))
         along = arc_length(place)
         length = float(along[-1])
-        begin, end = _best_joint(place, along, length)
+        begin, end = best_joint(place, along, length)
         met = self_crossings(place)
         at = np.interp(met.first, np.arange(len(place)), along)
         to = np.interp(met.second, np.arange(len(place)), along)

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.resample import resample
-from bozzetto.ink.trace.page import homography
+from bozzetto.ink.trace.photographed_page import homography
 from bozzetto.ink.trace.trace import Sheet, TracedLine, sheet_of, trace
 from bozzetto.view import Camera
 from tests.core.ink.trace.distances import hausdorff

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from scipy import ndimage
 
-from bozzetto.ink.trace.page import homography
+from bozzetto.ink.trace.photographed_page import homography
 
 Points = NDArray[np.float64]
 

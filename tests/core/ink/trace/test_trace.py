@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink.trace.gaps import bridged, is_closed
-from bozzetto.ink.trace.page import aspect_ratio, find_page, homography
+from bozzetto.ink.trace.photographed_page import aspect_ratio, find_page, homography
 from bozzetto.ink.trace.placed_ink import (
     is_seen_square,
     page_drawing,

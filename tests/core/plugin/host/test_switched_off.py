@@ -101,7 +101,7 @@ def test_a_modeler_that_is_switched_off_is_not_built_with(run, tmp_path, capfd):
 
 def test_the_reason_of_broken_is_printed(run, monkeypatch, make_package):
     broken = make_package(manifest="id = 7")
-    monkeypatch.setattr("bozzetto.plugin.host.registry._installed", lambda: [broken])
+    monkeypatch.setattr("bozzetto.plugin.host.registry.announced", lambda group: [broken])
     code, said, _ = run("list")
     assert code == 0
     first, reason = said.splitlines()
@@ -111,7 +111,7 @@ def test_the_reason_of_broken_is_printed(run, monkeypatch, make_package):
 
 def test_two_packages_with_one_id_are_told_apart(run, monkeypatch, make_package):
     twins = [make_package(manifest=SAME_ID.replace("{author}", "twin")) for _ in range(2)]
-    monkeypatch.setattr("bozzetto.plugin.host.registry._installed", lambda: twins)
+    monkeypatch.setattr("bozzetto.plugin.host.registry.announced", lambda group: twins)
     first, second = Registry().plugins() if Registry().plugins()[0].id == twins[1] else (
         Registry().plugins()[::-1]
     )  # fmt: skip

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.crease import SMOOTH, crease_angles
 from bozzetto_car.body.chain_smoothing import anneal, shorten_tangents, smooth_chains
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import (
     Network,
@@ -25,11 +25,6 @@ from bozzetto_car.template.network import (
 from tests.plugins.car.traced_car import symmetric
 
 Array = NDArray[np.float64]
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def disturbed(template: Template, by: float, seed: int = 0) -> Network:

@@ -16,7 +16,7 @@ from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.patch import extent
 from bozzetto_car.body.dimension_map import EXACT, Reshaping, fit_reshaping
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 
 Array = NDArray[np.float64]
@@ -52,11 +52,6 @@ class Body:
         made = self.asked(wanted)
         if made is not None:
             self.edges, self.wheels = made.points(self.edges), made.wheels(self.wheels)
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def shares(body: Body, **factors: float) -> Dimensions:

@@ -16,17 +16,12 @@ from bozzetto_car.body.fair_lines import (
     straightened,
     turned_with_chords,
 )
-from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import Network
 from bozzetto_car.template.network_validation import NARROWEST_CORNER
 from tests.plugins.car.sketched import rubbery, styled
 from tests.plugins.car.unseen import KINDS, unseen
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def trembling(template: Template, seed: int) -> np.ndarray:

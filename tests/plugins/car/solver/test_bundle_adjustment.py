@@ -13,7 +13,7 @@ from bozzetto_car.camera.marked_view import MarkedView
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import (
@@ -34,11 +34,6 @@ from tests.plugins.car.solved import assert_allowed, joint_of
 
 CARS = {"styled": styled, "rubbery": rubbery}
 SEEDS = range(6)
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 @cache

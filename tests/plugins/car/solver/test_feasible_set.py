@@ -10,14 +10,8 @@ from bozzetto.errors import UserError
 from bozzetto_car.dimensions import Dimensions, Locks
 from bozzetto_car.solver.feasible_set import Feasible
 from bozzetto_car.solver.prior import Cost, Prior
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def form_of(template: Template) -> np.ndarray:

@@ -11,7 +11,7 @@ from bozzetto_car.camera.marked_view import MarkedView, Reprojection
 from bozzetto_car.solver.evidence import HANDS, SPREADS, STEADY, USUAL
 from bozzetto_car.solver.hyperparameters import evidence_of, judge_marks
 from bozzetto_car.solver.prior import Cost, Prior
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from tests.plugins.car.sketched import (
     FRONT_QUARTER,
@@ -24,11 +24,6 @@ from tests.plugins.car.sketched import (
 )
 
 Array = NDArray[np.float64]
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def with_wrong(

@@ -13,7 +13,7 @@ from bozzetto_car.solver import pipeline
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import CarState, Sketch
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from tests.plugins.car.marked_car import marked as marked_car
 from tests.plugins.car.marked_points import Marked, aside, marked, with_marks
@@ -31,11 +31,6 @@ from tests.plugins.car.sketched import (
 
 CARS = {"styled": styled, "rubbery": rubbery}
 SEEDS = range(8)
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def of_the_template(

@@ -18,13 +18,8 @@ from bozzetto_car.solver.proportions import (
     size_covariance,
     size_of_known,
 )
-from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
+from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def plain(**changes: float) -> Cost:

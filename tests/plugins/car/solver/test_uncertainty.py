@@ -9,7 +9,7 @@ from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.solver.bundle_adjustment import solve
 from bozzetto_car.solver.prior import Cost, Prior
 from bozzetto_car.solver.uncertainty import FURTHER_VIEWS, certainty, further_views
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.sketched import (
@@ -27,11 +27,6 @@ from tests.plugins.car.sketched import (
 )
 
 COST = Cost.balanced()
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def one(template: Template, *views: View, seed: int = 0) -> Sketched:

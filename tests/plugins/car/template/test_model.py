@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template, ViewHint, twin
 
 COUNTS = {False: (39, 62, 28, 63), True: (41, 66, 30, 66)}
@@ -17,11 +16,6 @@ pair, 2 in the middle."""
 MIDDLE = [f"C{number}" for number in range(9)]
 TAILGATE = {"hatchback", "minivan", "estate", "city_car", "suv", "van"}
 PAIRS = ["S1", "S2", "S3", "S4", "S5", "R1", "R2", "R3", "B1", "B2", "B3", "B4", "B5", "WF", "WR"]
-
-
-@pytest.fixture(params=TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 # -- the network -----------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from bozzetto.errors import UserError
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import (
     Network,
@@ -20,11 +20,6 @@ from bozzetto_car.template.network import (
     with_tangents,
 )
 from tests.plugins.car.traced_car import curve, symmetric
-
-
-@pytest.fixture(params=TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def test_bezier_points_and_tangents_are_the_same_curve() -> None:

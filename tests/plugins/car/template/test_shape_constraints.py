@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bozzetto_car.template.loader import TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.shape_constraints import (
     FOLD_MARGIN,
@@ -16,11 +16,6 @@ from bozzetto_car.template.shape_constraints import (
 )
 
 Array = NDArray[np.float64]
-
-
-@pytest.fixture(params=TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def moved(template: Template, *moves: tuple[str, tuple[float, float, float]]) -> Array:

@@ -10,7 +10,6 @@ from bozzetto.geometry import Patchwork
 from bozzetto.geometry.patches.patch import turned_over
 from bozzetto.geometry.patches.tessellation import shaded
 from bozzetto_car.solver.uncertainty import Source
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.view.surface_colors import (
     BENDS,
@@ -48,11 +47,6 @@ def as_lab(colors: Array, vision: Array) -> Array:
     to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
     x, y, z = np.cbrt(linear @ np.array(to_xyz).T / (0.9505, 1.0, 1.089)).T
     return np.stack((116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)), axis=1)
-
-
-@pytest.fixture(params=PAPER_TEMPLATES)
-def template(request: pytest.FixtureRequest) -> Template:
-    return bundled(request.param)
 
 
 def body(template: Template) -> Patchwork:

@@ -24,7 +24,7 @@ from bozzetto_silhouette.implicit.variational import (
 )
 from bozzetto_silhouette.inflation.manifold_check import as_manifold
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
-from bozzetto_silhouette.inflation.variational import VariationalHeights
+from bozzetto_silhouette.inflation.variational_relief import VariationalHeights
 from bozzetto_silhouette.outline.normalized import frame_of
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 from bozzetto_silhouette.solids.polygonize import extract

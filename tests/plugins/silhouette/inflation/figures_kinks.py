@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto_silhouette.analysis.fidelity import measure
 from bozzetto_silhouette.inflation.inflation import ConvolutionHeights
-from bozzetto_silhouette.inflation.variational import VariationalHeights
+from bozzetto_silhouette.inflation.variational_relief import VariationalHeights
 from tests.plugins.silhouette.inflation.kinked_ellipses import (
     LONG,
     SHORT,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bozzetto_silhouette.inflation.closed_surface import shell_normals
 from bozzetto_silhouette.inflation.height_fairing import faired
-from bozzetto_silhouette.inflation.sewing import shell_normals
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid, solidify
 from bozzetto_silhouette.outline.boundary_sampling import sample_rim
 from bozzetto_silhouette.outline.domain_mesh import Plan, plan_of

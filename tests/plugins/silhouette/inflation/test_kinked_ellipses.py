@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto_silhouette.analysis.fidelity import measure
 from bozzetto_silhouette.inflation.inflation import ConvolutionHeights, HeightModel
-from bozzetto_silhouette.inflation.variational import VariationalHeights
+from bozzetto_silhouette.inflation.variational_relief import VariationalHeights
 from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
 from tests.plugins.silhouette.inflation.kinked_ellipses import (
     LONG,

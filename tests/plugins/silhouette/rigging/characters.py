@@ -9,10 +9,14 @@ import shapely
 from scipy.spatial.transform import Rotation
 
 from bozzetto.ink import Stroke, Strokes
+from bozzetto.plugin import Job
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.state import Part, SilhouetteState
+from bozzetto_silhouette.modeler import Silhouette
 
 FRONT = Camera("orthographic", eye=(0, -500, 0), height=300.0, viewport=(900, 900))
+
+MODELER = Silhouette()
 
 
 def drawn(points, camera=FRONT):
@@ -139,3 +143,8 @@ def stretches(mesh, skin, degrees=40.0):
             ratio = np.linalg.norm(after[a] - after[b], axis=1)[real] / length[real]
             worst[joint] = max(worst[joint], ratio.max())
     return worst
+
+
+def solid_of(state):
+    """The solid of a state, with its skin."""
+    return MODELER.shapes(state, MODELER.solve(state, Job("preview"))).solids[0]

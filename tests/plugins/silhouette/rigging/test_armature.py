@@ -27,17 +27,10 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.rigging.armature import armature_of
 from bozzetto_silhouette.rigging.posing import joints_layer, posed, posed_scene, rig_of
 from tests.plugins.silhouette.outlines import COMMITTED, circle, svg_rings
-from tests.plugins.silhouette.rigging.characters import stretches
+from tests.plugins.silhouette.rigging.characters import FRONT, dense, drawn, stretches
 
 SAMPLES = Path(bozzetto_silhouette.__file__).parent / "samples"
-FRONT = Camera("orthographic", eye=(0, -500, 0), height=300.0, viewport=(900, 900))
 MODELER = Silhouette()
-
-
-def drawn(points, camera=FRONT):
-    """A stroke through places on the sheet, mm."""
-    pixels, _ = camera.project(np.column_stack([points[:, 0], 0 * points[:, 0], points[:, 1]]))
-    return Stroke(*pixels.T, camera)
 
 
 def part(*rings, number=1, **more):
@@ -72,13 +65,6 @@ def turned(state, joint, axis, degrees):
     x, y, z, w = Rotation.from_rotvec(vector).as_quat().tolist()
     turn = Turn(tuple(rig.joints[joint].tolist()), (w, x, y, z))
     return replace(state, turns=(*state.turns, turn))
-
-
-def dense(skin):
-    """Weights as a table, (v, n)."""
-    table = np.zeros((len(skin.weights), len(skin.rig.joints)))
-    np.add.at(table, (np.arange(len(table))[:, None], skin.joints.astype(int)), skin.weights)
-    return table
 
 
 def horse(resolution=64):

@@ -19,7 +19,7 @@ from bozzetto.workbench.workbench import Workbench
 from bozzetto_silhouette.modeler import Silhouette
 from tests.blender import asked
 from tests.plugins.silhouette.outlines import COMMITTED, svg_rings
-from tests.plugins.silhouette.rigging.characters import fitted, man, state_of_rings
+from tests.plugins.silhouette.rigging.characters import fitted, man, solid_of, state_of_rings
 
 pytestmark = pytest.mark.interop
 
@@ -106,10 +106,6 @@ TIMES = (0.0, 0.11, 0.37, 0.7)
 
 def read(path, times):
     return asked(READ, path, json.dumps(times))
-
-
-def solid_of(state):
-    return MODELER.shapes(state, MODELER.solve(state, Job("preview"))).solids[0]
 
 
 @pytest.mark.parametrize("name", ["man", "horse_skimage"])

@@ -14,7 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.export import encode_shapes
 from bozzetto.geometry import Shapes
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Context, Job
+from bozzetto.plugin import Context
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.workbench.films import animation_of, frames
 from bozzetto.workbench.links import with_state
@@ -29,6 +29,7 @@ from tests.plugins.silhouette.rigging.characters import (
     fitted,
     man,
     person_of_parts,
+    solid_of,
     state_of_rings,
 )
 from tests.plugins.silhouette.rigging.test_armature import turned
@@ -47,10 +48,6 @@ def ran(state, command):
 
 def later(state, seconds):
     return ANIMATE.step(state, None, seconds, Context())
-
-
-def solid_of(state):
-    return MODELER.shapes(state, MODELER.solve(state, Job("preview"))).solids[0]
 
 
 def at_time(data, seconds):

@@ -113,13 +113,17 @@ def test_a_change_makes_only_the_blends_beside_it_even_anew(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made: list[float] = []
-    real = seams._evened
+    real = seams.each
 
-    def counted(zones) -> list[seams.Sewn]:
-        made.extend(float(zone.vertices[:, 0].mean()) for zone in zones)
-        return real(zones)
+    def counted(one, several, asked):
+        def noted(questions):
+            zones = [some for some in questions if hasattr(some, "evenings")]
+            made.extend(float(zone.vertices[:, 0].mean()) for zone in zones)
+            return several(questions)
 
-    monkeypatch.setattr(seams, "_evened", counted)
+        return real(one, noted, asked)
+
+    monkeypatch.setattr(seams, "each", counted)
     nodes = [part(f"n{k}", 80.0 * k, blend=0.4) for k in range(8)]
     whole = volume(*nodes)
     assert len(made) == 7

@@ -12,6 +12,7 @@ from bozzetto.geometry import Placement
 from bozzetto.plugin.cache import forget_all
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.model.state import Operation, SilhouetteState
+from bozzetto_silhouette.numerics.grouping import face_neighbours
 from bozzetto_silhouette.solids import boolean, fillet, lump, strip_borders, strip_closing
 from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
@@ -68,14 +69,18 @@ def test_two_bodies_need_no_union(
 
 def test_an_end_within_two_bodies_is_not_left_to_strips(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three bodies that meet in one place are united by themselves; the fourth is not."""
-    made: list[int] = []
-    real = boolean._united
+    some: list[int] = []
+    unions: list[object] = []
+    restricted, union_mesh = boolean.restricted, boolean.union_mesh
 
-    def counted(some: Assembly, checkpoint) -> Body:
-        made.append(len(some.pieces))
-        return real(some, checkpoint)
+    def counted(implicit, bodies):
+        some.append(len(bodies))
+        return restricted(implicit, bodies)
 
-    monkeypatch.setattr(boolean, "_united", counted)
+    monkeypatch.setattr(boolean, "restricted", counted)
+    monkeypatch.setattr(
+        boolean, "union_mesh", lambda lumps: unions.append(lumps) or union_mesh(lumps)
+    )
     trunk = b.ball(resolution=CELLS)
     limbs = [
         b.ball(55.0, 12.0, CELLS, f"n{k}").placed(b.turn("z", angle))
@@ -87,7 +92,8 @@ def test_an_end_within_two_bodies_is_not_left_to_strips(monkeypatch: pytest.Monk
         assert joined is not None
         whole = joined
     body = meshed(whole)
-    assert made == [3]
+    assert some == [3]
+    assert len(unions) == 1
     b.assert_sound(body)
     assert topology_of(body.vertices, body.faces).components == 1
     off = np.abs(body.implicit.value(body.vertices)) / body.step
@@ -153,13 +159,13 @@ def test_what_is_near_a_border_is_known_as_if_all_were_looked_at(seed: int) -> N
     gone = np.zeros(len(faces), bool)
     for place in middles[random.integers(len(faces), size=3)]:
         gone |= np.linalg.norm(middles - place, axis=1) < random.uniform(2.0, 30.0)
-    near = strip_borders._Near.of(faces, gone, count)
+    near = strip_borders.NearFaces.of(faces, gone, count)
     around = near.inner[faces].any(axis=1)
     assert np.array_equal(near.rows, np.flatnonzero(around))
     both = np.zeros((2, count), bool)
     both[0, faces[gone]] = both[1, faces[~gone]] = True
     assert near.inner[both.all(axis=0)].all()
-    every = strip_borders._neighbours(faces, count)[near.rows]
+    every = face_neighbours(faces, count)[near.rows]
     known = near.beside >= 0
     assert np.array_equal(near.rows[near.beside[known]], every[known])
     inner = near.inner[near.faces]
@@ -211,14 +217,25 @@ def test_points_that_turn_back_do_not_run_along_a_row() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
     row = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
     along = angle / (2.0 * np.pi)
-    order, where = strip_closing._matched(1.1 * np.roll(row, 7, axis=0), row, along)
-    assert where is not None
-    assert np.all(np.diff(where) >= 0.0)
-    assert where[0] == pytest.approx(0.0, abs=1e-9)
-    assert len(set(order.tolist())) == len(row)
-    assert strip_closing._matched(row[::-1], row, along)[1] is None
+    names = np.arange(len(row))
+
+    def joined(points: np.ndarray) -> list[np.ndarray] | None:
+        """The triangles between a row and points that run along it from the other side."""
+        other = strip_closing.LastRow(points[::-1], along, len(row) + np.arange(len(points)))
+        return strip_closing.closed([strip_closing.LastRow(row, along, names)], [other])
+
+    faces = joined(1.1 * np.roll(row, 7, axis=0))
+    assert faces is not None
+    edges = np.stack([faces[0], faces[0][:, [1, 2, 0]]], axis=2).reshape(-1, 2)
+    border = [edge for edge in edges.tolist() if edge[::-1] not in edges.tolist()]
+    assert len(faces[0]) == len(border) == 2 * len(row), "each point of both rows once"
+    # No triangle reaches farther along the rows than from one point to the next.
+    ends = np.vstack([row, np.roll(row, 7, axis=0)[::-1]])
+    reach = np.linalg.norm(ends[edges[:, 0]] - ends[edges[:, 1]], axis=1)
+    assert reach.max() < 1.01 * np.linalg.norm(row[1] - row[0])
+    assert joined(row[::-1]) is None
     half = np.concatenate([row[:12], row[10:0:-1]])
-    assert strip_closing._matched(half, row, along)[1] is None
+    assert joined(half) is None
 
 
 def test_a_gap_is_bridged_where_parts_merge_and_not_where_they_are_added() -> None:

@@ -13,7 +13,7 @@ from bozzetto.errors import Cancelled
 from bozzetto.geometry import Placement
 from bozzetto_silhouette.inflation.heightfield import Relief
 from bozzetto_silhouette.inflation.solidify import solidify
-from bozzetto_silhouette.inflation.variational import VariationalHeights
+from bozzetto_silhouette.inflation.variational_relief import VariationalHeights
 from bozzetto_silhouette.outline.outline import Outline, outline_from_rings
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on

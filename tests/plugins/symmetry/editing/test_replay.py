@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from bozzetto.geometry.spline import Spline
 from bozzetto.ink import Stroke, Strokes
-from bozzetto_symmetry.editing import replay
-from bozzetto_symmetry.editing.replay import apply_edit
+from bozzetto_symmetry.editing import edit_sequence
+from bozzetto_symmetry.editing.edit_sequence import apply_edit
 from bozzetto_symmetry.fitting.space_curve import SpaceCurve
 from bozzetto_symmetry.model.state import Curve, Joint, Modification, Snap, SymmetryState, Trim
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
@@ -33,7 +33,7 @@ class Made(NamedTuple):
 
 
 def applied(*arguments) -> Made:
-    return Made(*replay.apply_edits(*arguments))
+    return Made(*edit_sequence.apply_edits(*arguments))
 
 
 def nobody(curve: Curve, state: SymmetryState) -> SpaceCurve | None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.ink import Stroke
-from bozzetto_symmetry.interpretation.flat_crossing import _aligned, _doubted, _Plane
+from bozzetto_symmetry.interpretation.flat_crossing import FittedPlane, aligned, doubted
 from bozzetto_symmetry.interpretation.mirrored_ink import InkLine, equations
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing
@@ -20,8 +20,8 @@ from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from tests.plugins.symmetry import scenes as s
 
 
-def plane_told_by(columns: np.ndarray) -> _Plane:
-    return _Plane(BowedPlane(0.02, 5.0, size=80.0), np.zeros(len(columns)), columns, free=2)
+def plane_told_by(columns: np.ndarray) -> FittedPlane:
+    return FittedPlane(BowedPlane(0.02, 5.0, size=80.0), np.zeros(len(columns)), columns, free=2)
 
 
 @pytest.mark.parametrize("silent", [(0,), (1,), (0, 1)])
@@ -34,7 +34,7 @@ def test_ink_that_does_not_move_with_a_plane_does_not_tell_it(silent):
     columns[:, list(silent)] = 0.0
     untold = plane_told_by(columns)
     assert not untold.is_told
-    assert _aligned(None, np.empty((0, 2)), None, untold) is untold
+    assert aligned(None, np.empty((0, 2)), None, untold) is untold
 
 
 def test_what_a_broken_camera_tells_is_nothing():
@@ -87,9 +87,9 @@ def test_a_plane_is_the_less_known_the_more_a_bow_would_explain():
     columns = chance.normal(scale=50.0, size=(40, 5))
     plane = plane_told_by(columns)
     surface = BowedPlane(0.03, 5.5, (0.1, -0.05, 0.02), size=80.0)
-    bowed = _Plane(surface, np.zeros(40), columns, free=5)
-    assert _doubted(plane, None, 5.0) is plane
-    doubts = [_doubted(plane, bowed, gain).covariance for gain in (-30.0, 2.0, 6.0, 9.0)]
+    bowed = FittedPlane(surface, np.zeros(40), columns, free=5)
+    assert doubted(plane, None, 5.0) is plane
+    doubts = [doubted(plane, bowed, gain).covariance for gain in (-30.0, 2.0, 6.0, 9.0)]
     assert np.allclose(doubts[0][:2, :2], plane.covariance, rtol=1e-3)
     for less, more in pairwise(doubts):
         assert np.linalg.eigvalsh(more - less).min() > -1e-12

@@ -10,7 +10,7 @@ import pytest
 from bozzetto_symmetry.ink.sides import Side, sides_of
 from bozzetto_symmetry.interpretation.line_weight import weight_prices
 from bozzetto_symmetry.interpretation.side_pairing import pairings
-from bozzetto_symmetry.interpretation.triangulation import triangulate
+from bozzetto_symmetry.interpretation.stereo_triangulation import triangulate
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import Stereo

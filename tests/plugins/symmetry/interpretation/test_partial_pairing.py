@@ -23,7 +23,7 @@ VIEW = s.camera(35, 20, pixels=800.0)
 def test_the_stretch_is_found(begin: int, end: int, sense: int) -> None:
     near, far = s.drawn(SIDE, VIEW), s.drawn((SIDE * MIRROR)[begin:end], VIEW, sense=sense)
     found = partial_pairings(Stereo(VIEW), near, far)[0]
-    along = np.linalg.norm(np.diff(near, axis=0), axis=1).cumsum() / s._length(near)
+    along = np.linalg.norm(np.diff(near, axis=0), axis=1).cumsum() / s.length_of(near)
     ends = np.array((0.0, *along))[[begin, end - 1]]
     np.testing.assert_allclose(found.stations[[0, -1]], ends, atol=0.02)
     assert found.reversed == (sense < 0)

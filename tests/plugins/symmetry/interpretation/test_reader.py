@@ -17,7 +17,7 @@ from bozzetto.ink import Stroke
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.sides import sides_of
 from bozzetto_symmetry.interpretation.candidate import Read
-from bozzetto_symmetry.interpretation.reader import read
+from bozzetto_symmetry.interpretation.side_reading import read
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from tests.plugins.symmetry.scenes import (
     ACROSS,

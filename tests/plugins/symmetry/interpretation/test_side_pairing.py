@@ -13,7 +13,7 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.ink.curves.resample import resample
 from bozzetto_symmetry.interpretation.folding import Folding, foldings
 from bozzetto_symmetry.interpretation.side_pairing import pairings
-from bozzetto_symmetry.interpretation.triangulation import triangulate
+from bozzetto_symmetry.interpretation.stereo_triangulation import triangulate
 from bozzetto_symmetry.stereo.correspondence import Pairing
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from tests.plugins.symmetry.scenes import (

@@ -7,9 +7,9 @@ import pytest
 
 from bozzetto.ink import distances_to_polyline
 from bozzetto_symmetry.ink.sides import Side
-from bozzetto_symmetry.interpretation.flat_places import _covered
-from bozzetto_symmetry.interpretation.reader import read
-from bozzetto_symmetry.interpretation.simple_form import _information
+from bozzetto_symmetry.interpretation.flat_places import coverage_of
+from bozzetto_symmetry.interpretation.side_reading import read
+from bozzetto_symmetry.interpretation.simple_form import information_of_two
 from bozzetto_symmetry.interpretation.straight_crossing import as_bar
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing
@@ -146,22 +146,22 @@ def test_a_flat_tube_by_a_slow_hand_is_flat(seed: int) -> None:
 @pytest.mark.parametrize("alike", [0.0, 0.3, 0.8])
 def test_two_measurements_that_err_alike_say_as_much_as_their_covariance(alike: float) -> None:
     moves, spread = np.array((2.0, 3.0)), np.array(((1.0, alike), (alike, 1.0)))
-    told = _information(moves[:1], moves[1:], np.array([alike]))
+    told = information_of_two(moves[:1], moves[1:], np.array([alike]))
     np.testing.assert_allclose(told, moves @ np.linalg.inv(spread) @ moves)
 
 
 def test_one_measurement_that_is_seen_twice_counts_once() -> None:
     twice = np.array([3.0])
-    np.testing.assert_allclose(_information(twice, twice, np.ones(1)), 9.0)
+    np.testing.assert_allclose(information_of_two(twice, twice, np.ones(1)), 9.0)
 
 
 def test_what_has_no_partner_between_others_is_not_covered() -> None:
     even = np.linspace(0.01, 1.0, 100)
-    assert _covered(even) == pytest.approx(1.0)
-    assert _covered(even[::-1]) == pytest.approx(1.0)
-    assert _covered(even[even <= 0.6]) == pytest.approx(0.6)
+    assert coverage_of(even) == pytest.approx(1.0)
+    assert coverage_of(even[::-1]) == pytest.approx(1.0)
+    assert coverage_of(even[even <= 0.6]) == pytest.approx(0.6)
     leapt = np.append(0.45 * even, 1.0)  # the last place found the end of a leg that runs back
-    assert _covered(leapt) == pytest.approx(0.45)
+    assert coverage_of(leapt) == pytest.approx(0.45)
 
 
 def test_a_tube_seen_nearly_on_its_edge_is_not_read_without_one_of_its_legs() -> None:

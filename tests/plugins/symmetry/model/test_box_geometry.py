@@ -8,20 +8,8 @@ import numpy as np
 import pytest
 
 from bozzetto_symmetry.model.box_geometry import box_edges, plane_outline
-from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
-
-STATE = SymmetryState(centre=(10.0, -5.0, 30.0), length=200.0, width=120.0, height=80.0)
-PLANES = [
-    CentrePlane((10, 0, 30), (1, 1, 0.4)),
-    CentrePlane((20, -5, 25), (1, 1, 1)),
-    CentrePlane((-40, 0, 30), (2, 0.1, -0.3)),
-    CentrePlane((10, -65, 30), (0, -1, 0)),  # a face of the box
-]
-
-
-def tilted(plane: CentrePlane) -> SymmetryState:
-    return replace(STATE, symmetry="free", free_plane=plane)
+from tests.plugins.symmetry.boxes import PLANES, STATE, tilted
 
 
 def area(outline: np.ndarray, normal: np.ndarray) -> float:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bozzetto_symmetry.model.grid import HEAVY_EVERY, clip_to_box, grid_in_box, grid_step
+from bozzetto_symmetry.model.box_grid import HEAVY_EVERY, clip_to_box, grid_in_box, grid_step
 
 RANDOM = np.random.default_rng(8)
 

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from bozzetto.view import Camera
 from bozzetto_symmetry.interpretation.side_pairing import pairings
-from bozzetto_symmetry.interpretation.triangulation import triangulate
+from bozzetto_symmetry.interpretation.stereo_triangulation import triangulate
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 from bozzetto_symmetry.stereo.uncertainty import (
     ANYWHERE,

@@ -12,20 +12,8 @@ from bozzetto.scene import DARK, LIGHT, Handle, Label, Lines, Scene, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.state import SymmetryState
-from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.view.box import BOX_TOOL, FACES, box_layers
-
-STATE = SymmetryState(centre=(10.0, -5.0, 30.0), length=200.0, width=120.0, height=80.0)
-PLANES = [
-    CentrePlane((10, 0, 30), (1, 1, 0.4)),
-    CentrePlane((20, -5, 25), (1, 1, 1)),
-    CentrePlane((-40, 0, 30), (2, 0.1, -0.3)),
-    CentrePlane((10, -65, 30), (0, -1, 0)),  # a face of the box
-]
-
-
-def tilted(plane: CentrePlane) -> SymmetryState:
-    return replace(STATE, symmetry="free", free_plane=plane)
+from tests.plugins.symmetry.boxes import PLANES, STATE, tilted
 
 
 def test_the_edges_are_the_box() -> None:

@@ -10,7 +10,7 @@ import pytest
 from bozzetto.scene import Label, Lines
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
-from bozzetto_symmetry.model.grid import clip_to_box
+from bozzetto_symmetry.model.box_grid import clip_to_box
 from bozzetto_symmetry.model.state import Line, SymmetryState
 from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.view.box import box_layers

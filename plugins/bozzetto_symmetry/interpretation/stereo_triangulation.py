@@ -140,7 +140,7 @@ def triangulate(stereo: Stereo, pairing: Pairing) -> HalfInSpace:
     off = _off_plane(points, covariances, extent)
     return HalfInSpace(
         points, covariances, trust, float(seen.mean()), astride, askew, reasons, off,
-        _slender(points),
+        slenderness(points),
     )  # fmt: skip
 
 
@@ -163,7 +163,7 @@ def _astride(y: Array, trust: Array) -> float:
     return 2.0 * min(left, right) / max(left + right, 1e-300)
 
 
-def _slender(points: Array) -> float:
+def slenderness(points: Array) -> float:
     """Return the logarithm of the length of a cloud of places over its width."""
     if len(points) < 3:
         return 0.0

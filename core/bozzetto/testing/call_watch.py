@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 import threading
-import time
-import traceback
 from collections.abc import Callable
 from typing import Final
 from weakref import WeakSet
 
+from bozzetto.awake_time import awake_time
 from bozzetto.plugin.guard.guard import Guard
-from bozzetto.plugin.guard.watchdog import GRACE, REPEAT, interrupt
+from bozzetto.plugin.guard.watchdog import GRACE, REPEAT, interrupt, stack_of
 
 LONGEST_CALL: Final = 120.0
 """Seconds that one call may take; what the program asks for comes within a few, on any machine."""
@@ -76,14 +74,13 @@ class CallWatch:
 
         thread = threading.Thread(target=work, name="bozzetto-check", daemon=True)
         thread.start()
-        call, since = self._call_of(thread), time.monotonic()
+        call, since = self._call_of(thread), awake_time()
         while not ended.wait(LOOK):
             now = self._call_of(thread)
             if now is not call:
-                call, since = now, time.monotonic()
-            elif call is not None and time.monotonic() - since > self._limit:
-                frame = sys._current_frames().get(thread.ident or 0)
-                details = "".join(traceback.format_stack(frame)) if frame else ""
+                call, since = now, awake_time()
+            elif call is not None and awake_time() - since > self._limit:
+                details = stack_of(thread)
                 _stop(thread, ended)
                 raise Unanswered(f"{call[1]} gave no answer for {self._limit:g} s", details)
         if problems:
@@ -96,7 +93,7 @@ class CallWatch:
 
 
 def _stop(thread: threading.Thread, ended: threading.Event) -> None:
-    until = time.monotonic() + GRACE
-    while not ended.is_set() and time.monotonic() < until:
+    until = awake_time() + GRACE
+    while not ended.is_set() and awake_time() < until:
         interrupt(thread)
         ended.wait(REPEAT)

@@ -27,7 +27,7 @@ from bozzetto_symmetry.interpretation.candidate import Candidate, Read
 from bozzetto_symmetry.interpretation.pair import as_pair, overdrawn
 from bozzetto_symmetry.interpretation.round_loop import is_wheel
 from bozzetto_symmetry.interpretation.self_symmetric import as_crossing
-from bozzetto_symmetry.interpretation.triangulation import strays
+from bozzetto_symmetry.interpretation.stereo_triangulation import strays
 from bozzetto_symmetry.stereo.degeneracies import Case, reasons_of, special_case
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 from bozzetto_symmetry.stereo.uncertainty import plane_covariances
