@@ -10,24 +10,16 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import BSplineSurface
+from bozzetto_product.fill.feet import NEAREST, foot_of, grid_parameters
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.plane_fill import PlaneFill
 from bozzetto_product.model.details import OutlinePlaces
-
-GRID: Final = 13
-"""Places along each parameter of a surface from which the nearest one is sought."""
-
-NEAREST: Final = 4
-"""Seeds of each point from which the nearest place is sought."""
 
 SAME_PLACE: Final = 0.01
 """Distance, as share of the size of all surfaces, within which others are where one was."""
 
 PLANE: Final = -1
 """Number of the piece of a surface that is a plane: the same loop, bent, has others."""
-
-ROUNDS: Final = 25
-"""Most steps to the nearest place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +73,7 @@ def located(grounds: Sequence[Ground], points: Array) -> Located:
 
     if not grounds:
         raise ValueError("there is nothing to lie on")
-    at = (np.arange(GRID) + 0.5) / GRID
-    u, v = (grid.ravel() for grid in np.meshgrid(at, at, indexing="ij"))
+    u, v = grid_parameters()
     surfaces = [
         (g, k, surface)
         for g, one in enumerate(grounds)
@@ -102,7 +93,7 @@ def located(grounds: Sequence[Ground], points: Array) -> Located:
             ground, _, surface = surfaces[number]
             plane = planes.get(ground)
             if plane is None:
-                foot = _foot(surface, points[rows], start)
+                foot = foot_of(surface, points[rows], start)
             else:
                 foot = plane.nearest_within(points[rows])
             places = surface.value(*foot.T)
@@ -128,28 +119,6 @@ def _seeds(fill: Fill, surface: BSplineSurface, u: Array, v: Array) -> Array:
     """Return places of a piece from which the nearest is sought; of a plane, within its loop."""
     places = surface.value(u, v)
     return surface.value(*fill.nearest_within(places).T) if isinstance(fill, PlaneFill) else places
-
-
-def _foot(surface: BSplineSurface, points: Array, start: Array) -> Array:
-    """Return parameters of the nearest places, from given ones on, by Gauss-Newton steps."""
-    at = start
-    low, high = np.transpose(surface.ranges)
-    for _ in range(ROUNDS):
-        off = points - surface.value(*at.T)
-        x, y = (
-            surface.derivative(at[:, 0], at[:, 1], 1, 0),
-            surface.derivative(at[:, 0], at[:, 1], 0, 1),
-        )
-        xx, xy, yy = ((a * b).sum(axis=1) for a, b in ((x, x), (x, y), (y, y)))
-        px, py = (off * x).sum(axis=1), (off * y).sum(axis=1)
-        whole = np.maximum(xx * yy - xy * xy, 1e-12 * xx * yy + 1e-300)
-        step = np.column_stack(((px * yy - py * xy) / whole, (xx * py - xy * px) / whole))
-        after = np.clip(at + np.clip(step, -0.25, 0.25), low, high)
-        moved = float(np.abs(after - at).max(initial=0.0))
-        at = after
-        if moved <= 1e-13:
-            break
-    return at
 
 
 def kept_places(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -174,6 +175,8 @@ def mirrored_fill(
             loop,
             tuple(part for part in parts if isinstance(part, PatchFill)),
             whole if isinstance(whole, PatchFill) else None,
+            frozenset(loop.index(_image_of(net, fill.loop[k], axis)) for k in fill.guided),
+            _starts_of(net, loop),
         )
     numbers = {half_edge: number for number, half_edge in enumerate(loop)}
 
@@ -214,6 +217,20 @@ def mirrored_fill(
         return PatchFill(loop, sides, patches, fill.spacing, key, solution)
     assert isinstance(fill, PlaneFill)
     return PlaneFill(loop, sides, patches, fill.spacing, key, fill.starts)
+
+
+def _image_of(net: Net, half_edge: HalfEdge, axis: int) -> HalfEdge:
+    """Return the half edge that is the image of one, run so that its outside stays outside."""
+    number, forward = half_edge
+    image = edge_image(net, number, axis)
+    assert image is not None
+    return net.edges[number].twin, forward != (image.sense > 0)
+
+
+def _starts_of(net: Net, loop: Loop) -> tuple[int, ...]:
+    """Return the first half edge of each outline of a loop."""
+    lengths = [len(outline) for outline in outlines_of(net, loop)]
+    return tuple(itertools.accumulate(lengths[:-1], initial=0))
 
 
 def _same(one: EdgePiece, two: EdgePiece) -> bool:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
-from bozzetto_product.fill.edge_pieces import EdgePiece, halved, pieces_of
+from bozzetto_product.fill.edge_pieces import EdgePiece, halved, opened, pieces_of
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.holed_fill import holed_fill
 from bozzetto_product.fill.inner_cuts import parted_fill, turn_round
 from bozzetto_product.fill.loop_fill import fill_loop, fill_with_holes
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
@@ -74,17 +76,9 @@ def fill_net(
     tuple of Fill or None
         One for each loop; None where there is no surface.
     """
-    normals = edge_normals(net, loops)
-    spacing = mesh_spacing(net, loops)
     axis = mirror_axis(net)
-    counts = [2] * len(net.edges)
-    for loop, own in zip(loops, normals, strict=True):
-        least = max(piece_count(each.corners) for each in own.outlines())
-        for edge, _ in loop:
-            counts[edge] = max(counts[edge], least)
-    twins = [edge.twin if edge.twin >= 0 else k for k, edge in enumerate(net.edges)]
-    counts = [max(count, counts[twin]) for count, twin in zip(counts, twins, strict=True)]
-    cut = [pieces_of(each.spline, many) for each, many in zip(net.edges, counts, strict=True)]
+    plan = _plan(net, tuple(loops))
+    normals, cut, spacing = plan.normals, plan.pieces, plan.spacing
 
     def filled(cut: Sequence[tuple[EdgePiece, ...]]) -> tuple[Fill | None, ...]:
         pieces = with_twins(net, cut, axis)
@@ -94,12 +88,70 @@ def fill_net(
     finer = _cut_finer(net, loops, normals, cut, spacing, made, checkpoint)
     if not finer:
         return made
-    finer |= {twins[edge] for edge in finer}
+    finer |= {_twin(net, edge) for edge in finer}
     again = filled(
         [halved(net.edges[k].spline, own) if k in finer else own for k, own in enumerate(cut)]
     )
     lost = any(_is_sound(one) and not _is_sound(two) for one, two in zip(made, again, strict=True))
     return made if lost else again
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What the loops of a net are filled with.
+
+    Parameters
+    ----------
+    normals : tuple of LoopNormals
+        Of each loop.
+    pieces : tuple of tuple of EdgePiece
+        Of each edge; not yet those of twins.
+    spacing : float
+        Length of the segments of edges in meshes, mm.
+    """
+
+    normals: tuple[LoopNormals, ...]
+    pieces: tuple[tuple[EdgePiece, ...], ...]
+    spacing: float
+
+
+@remembered(limit=8)
+def _plan(net: Net, loops: tuple[Loop, ...]) -> _Plan:
+    normals = edge_normals(net, loops)
+    counts = [2] * len(net.edges)
+    for loop, own in zip(loops, normals, strict=True):
+        least = max(piece_count(each.corners) for each in own.outlines())
+        for edge, _ in loop:
+            counts[edge] = max(counts[edge], least)
+    counts = [max(count, counts[_twin(net, edge)]) for edge, count in enumerate(counts)]
+    pieces = [pieces_of(each.spline, many) for each, many in zip(net.edges, counts, strict=True)]
+    return _Plan(normals, tuple(pieces), mesh_spacing(net, loops))
+
+
+def _twin(net: Net, edge: int) -> int:
+    twin = net.edges[edge].twin
+    return twin if twin >= 0 else edge
+
+
+def guide_of(net: Net, loops: Sequence[Loop], number: int) -> PatchFill | None:
+    """Return the patches that fill the outline of a loop, as if it had no holes.
+
+    Parameters
+    ----------
+    net, loops
+        See `fill_net`.
+    number : int
+        Which of the loops.
+
+    Returns
+    -------
+    PatchFill or None
+        None where it lies in a plane, or patches round one centre fold.
+    """
+    plan, loop = _plan(net, tuple(loops)), loops[number]
+    normals = plan.normals[number]
+    pieces = with_twins(net, plan.pieces, mirror_axis(net))
+    return _guide(loop, normals, tuple(pieces[edge] for edge, _ in loop), plan.spacing)
 
 
 def _is_sound(fill: Fill | None) -> bool:
@@ -145,7 +197,9 @@ def _fills(
         if image and other is not None and axis is not None and is_run_of(net, image, other.loop):
             made.append(mirrored_fill(other, net, loop, pieces, axis))
             continue
-        fill = _filled(loop, own, tuple(pieces[edge] for edge, _ in loop), spacing)
+        cut = tuple(pieces[edge] for edge, _ in loop)
+        splines = tuple(opened(net.edges[edge].spline) for edge, _ in loop)
+        fill = _filled(loop, own, cut, spacing, splines)
         made.append(fill)
         if fill is not None:
             known[frozenset(loop)] = fill
@@ -168,23 +222,34 @@ def _is_begun_elsewhere(image: Loop, outline: Loop) -> bool:
 
 
 def _fill_key(
-    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+    loop: Loop,
+    normals: LoopNormals,
+    pieces: tuple[tuple[EdgePiece, ...], ...],
+    spacing: float,
+    splines: Sequence[Spline] = (),
 ) -> tuple[object, ...]:
     return loop, normals.corners, normals.fields, normals.starts, pieces, spacing
 
 
 @remembered(limit=1024, key=_fill_key)
 def _filled(
-    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+    loop: Loop,
+    normals: LoopNormals,
+    pieces: tuple[tuple[EdgePiece, ...], ...],
+    spacing: float,
+    splines: tuple[Spline, ...] = (),
 ) -> Fill | None:
     """Return the fill of a loop with the pieces of its edges; None where there is no surface.
+
+    The curves of the edges themselves, opened, are needed where it has holes.
 
     What folds gets creases at smooth edges, if it then does not: a surface that closes is more use
     than none.
     """
     by_edge = {edge: own for (edge, _), own in zip(loop, pieces, strict=True)}
     if len(normals.starts) > 1:
-        return _with_holes(loop, normals, by_edge, spacing)
+        plane = _plane_with_holes(loop, normals, by_edge, spacing)
+        return plane or _bent_with_holes(loop, normals, pieces, spacing, splines)
 
     def filled(own: LoopNormals) -> Fill | None:
         try:
@@ -210,13 +275,13 @@ def _filled(
     return fill
 
 
-def _with_holes(
+def _plane_with_holes(
     loop: Loop,
     normals: LoopNormals,
     pieces: Mapping[int, Sequence[EdgePiece]],
     spacing: float,
 ) -> Fill | None:
-    """Return the fill of a loop with holes; None where there is no surface."""
+    """Return the plane of a loop with holes; None where it lies in none."""
     outlines = []
     for first, own in zip(normals.starts, normals.outlines(), strict=True):
         outline = loop[first : first + len(own.corners)]
@@ -227,6 +292,27 @@ def _with_holes(
         return fill_with_holes(outlines, loop=loop, spacing=spacing)
     except UserError:
         return None
+
+
+def _bent_with_holes(
+    loop: Loop,
+    normals: LoopNormals,
+    pieces: tuple[tuple[EdgePiece, ...], ...],
+    spacing: float,
+    splines: tuple[Spline, ...],
+) -> PartedFill | None:
+    """Return the fill of a loop with holes that lies in no plane; None where there is none."""
+    guide = _guide(loop, normals, pieces, spacing)
+    return None if guide is None else holed_fill(loop, normals, pieces, splines, guide)
+
+
+def _guide(
+    loop: Loop, normals: LoopNormals, pieces: tuple[tuple[EdgePiece, ...], ...], spacing: float
+) -> PatchFill | None:
+    """Return the patches that fill the outline of a loop; see `guide_of`."""
+    end = (*normals.starts[1:], len(loop))[0]
+    fill = _filled(loop[:end], normals.outlines()[0], pieces[:end], spacing)
+    return fill if isinstance(fill, PatchFill) and not fill.folded else None
 
 
 def _without_bulge(

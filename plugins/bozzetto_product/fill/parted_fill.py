@@ -28,20 +28,32 @@ class PartedFill(Fill):
     parts : tuple of PatchFill
     whole : PatchFill, optional
         Patches round one centre, where these do not fold.
+    guided : frozenset of int
+        Half edges that the network asks no normals of: creases along which the parts took those of
+        a guide.
+    starts : tuple of int
+        First half edge of each outline.
     """
 
     parts: tuple[PatchFill, ...]
     whole: PatchFill | None = None
+    guided: frozenset[int] = frozenset()
+    starts: tuple[int, ...] = (0,)
 
     @classmethod
     def of(
-        cls, loop: Loop, parts: tuple[PatchFill, ...], whole: PatchFill | None = None
+        cls,
+        loop: Loop,
+        parts: tuple[PatchFill, ...],
+        whole: PatchFill | None = None,
+        guided: frozenset[int] = frozenset(),
+        starts: tuple[int, ...] = (0,),
     ) -> PartedFill:
         """Return parts as one surface."""
         sides = tuple(side for part in parts for side in part.sides)
         patches = tuple(patch for part in parts for patch in part.patches)
         key = b"".join(part.key for part in parts)
-        return cls(loop, sides, patches, parts[0].spacing, key, parts, whole)
+        return cls(loop, sides, patches, parts[0].spacing, key, parts, whole, guided, starts)
 
     @cached_property
     @override
@@ -85,6 +97,19 @@ class PartedFill(Fill):
     def bent(self) -> PatchFill | None:
         """Patches round one centre: parts cannot be bent as one. None where these would fold."""
         return self.whole
+
+    @property
+    @override
+    def has_holes(self) -> bool:
+        """Whether it has more outlines than one."""
+        return len(self.starts) > 1
+
+    @property
+    @override
+    def g1_degrees(self) -> tuple[float, ...]:
+        """Largest angle between the surface and the normals of each half edge; NaN at creases."""
+        angles = enumerate(self._off_normals[:-1])
+        return tuple(float("nan") if k in self.guided else angle for k, angle in angles)
 
     @override
     def places_beside(self, half: HalfSide, number: int, at: Array) -> tuple[Array, Array]:

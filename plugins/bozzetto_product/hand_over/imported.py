@@ -66,14 +66,15 @@ def product_of_network(
 
 
 def _has_flat_faces(state: ProductState) -> bool:
-    """Whether all surfaces with holes lie in planes, exactly: no others can be filled."""
+    """Whether all surfaces with holes that nearly lie in planes do so exactly."""
     net = net_of_state(state)
-    return all(
-        plane_through(np.vstack([net.edges[edge].spline.control_points for edge, _ in loop]))
+    rows = [
+        np.vstack([net.edges[edge].spline.control_points for edge, _ in loop])
         for patch in state.of_kind(Patch)
         if len(outlines_of_boundary(patch.boundary)) > 1
         for loop in loops_of_patch(net, patch)
-    )
+    ]
+    return all(plane_through(row) or not plane_through(row, ROUGH) for row in rows)
 
 
 def _with_named_loops(state: ProductState, network: Network) -> ProductState:

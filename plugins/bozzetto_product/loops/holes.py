@@ -7,7 +7,7 @@ same plane is a surface again. A loop from which nothing leaves divides nothing,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -40,7 +40,7 @@ WALLED: Final = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class _Ring:
+class Ring:
     """An outline, and the plane that it lies in.
 
     Parameters
@@ -63,7 +63,7 @@ class _Ring:
     edges: frozenset[int]
 
     @classmethod
-    def of(cls, sampled: SampledNet, flat: float, outline: Loop) -> _Ring:
+    def of(cls, sampled: SampledNet, flat: float, outline: Loop) -> Ring:
         """Return the ring of an outline."""
         halves = half_edges(outline)
         lines = [sampled.lines[half // 2][:: 1 - 2 * (half % 2)][:-1] for half in halves]
@@ -119,11 +119,7 @@ class _Ring:
     def axes(self) -> Array:
         """Two unit vectors in its plane, (2, 3)."""
         assert self.plane is not None
-        normal = self.plane[1]
-        x = np.eye(3)[int(np.argmin(np.abs(normal)))]
-        x = x - (x @ normal) * normal
-        x = x / np.linalg.norm(x)
-        return np.stack((x, cross_product(normal, x)))
+        return axes_across(self.plane[1])
 
     @cached_property
     def inside(self) -> shapely.Polygon | None:
@@ -133,7 +129,7 @@ class _Ring:
         polygon = shapely.Polygon(self.points @ self.axes.T)
         return polygon if polygon.is_valid else None
 
-    def is_round(self, other: _Ring) -> bool:
+    def is_round(self, other: Ring) -> bool:
         """Whether another ring lies within it in its plane, and does not touch it."""
         if self.nodes & other.nodes or self.edges & other.edges:
             return False
@@ -147,15 +143,23 @@ class _Ring:
         return bool(ring.is_simple and self.inside.contains_properly(ring))
 
 
+def axes_across(normal: Array) -> Array:
+    """Return two unit vectors in the plane across a unit normal, (2, 3)."""
+    x = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    x = x - (x @ normal) * normal
+    x = x / np.linalg.norm(x)
+    return np.stack((x, cross_product(normal, x)))
+
+
 class _Rings:
     """Rings, the greatest area first, and the ones round another one."""
 
-    def __init__(self, rings: Sequence[_Ring]) -> None:
+    def __init__(self, rings: Sequence[Ring]) -> None:
         self.rings = sorted(rings, key=lambda ring: -ring.size)
         self._low = np.reshape([ring.box[0] - ring.reach for ring in self.rings], (-1, 3))
         self._high = np.reshape([ring.box[1] + ring.reach for ring in self.rings], (-1, 3))
 
-    def around(self, ring: _Ring) -> list[_Ring]:
+    def around(self, ring: Ring) -> list[Ring]:
         """Return the rings that a ring lies within, the greatest area first."""
         low, high = ring.box
         held = (self._low <= low) & (self._high >= high)
@@ -191,19 +195,11 @@ def with_holes(
         None for each that is a hole of another one.
     """
     every = [
-        [_Ring.of(sampled, flat, each) for each in outlines_of(sampled.net, one)] for one in loops
+        [Ring.of(sampled, flat, each) for each in outlines_of(sampled.net, one)] for one in loops
     ]
-    users: dict[int, list[_Ring]] = {}
-    for row in every:
-        for ring in row:
-            for edge in ring.edges:
-                users.setdefault(edge, []).append(ring)
+    users = outline_users(every)
     rims = [row[0] for row in every]
-    possible = [
-        _Ring.of(sampled, flat, loop)
-        for loop in others
-        if all(len(users.get(edge, ())) < 2 for edge, _ in loop)
-    ]
+    possible = unused_rings(sampled, others, users, flat)
     walled = _walled(rims, rims[fixed:], possible, users)
     if not walled:
         return list(loops)
@@ -211,7 +207,7 @@ def with_holes(
     own, bound, maybe = (set(map(id, each)) for each in (rims, rims[:fixed], walled))
     known = [ring for row in every for ring in row]
     rings = _Rings([*known, *(ring for ring in walled if id(ring) not in own)])
-    found: dict[int, list[_Ring]] = {}
+    found: dict[int, list[Ring]] = {}
     for ring in rings.rings:
         if id(ring) in maybe:
             inner = [o for o in rings.around(ring) if id(o) in own or id(o) in owners]
@@ -227,21 +223,53 @@ def with_holes(
     ]
 
 
+def outline_users(every: Sequence[Sequence[Ring]]) -> dict[int, list[Ring]]:
+    """Return the outlines of surfaces at each edge, for those of each surface."""
+    users: dict[int, list[Ring]] = {}
+    for row in every:
+        for ring in row:
+            for edge in ring.edges:
+                users.setdefault(edge, []).append(ring)
+    return users
+
+
+def unused_rings(
+    sampled: SampledNet, loops: Sequence[Loop], users: Mapping[int, Sequence[Ring]], flat: float
+) -> list[Ring]:
+    """Return the rings of loops that are no surfaces and have one at most at each edge."""
+    return [
+        Ring.of(sampled, flat, loop)
+        for loop in loops
+        if all(len(users.get(edge, ())) < 2 for edge, _ in loop)
+    ]
+
+
+def share_of_walls(ring: Ring, users: Mapping[int, Sequence[Ring]]) -> float:
+    """Return the share of a ring's length on which one other surface stands; 0 where two do."""
+    walled = 0.0
+    for edge in ring.edges:
+        count = sum(other is not ring for other in users.get(edge, ()))
+        if count > 1:
+            return 0.0
+        walled += float(ring.sampled.lengths[edge]) * count
+    return walled / float(ring.sampled.lengths[list(ring.edges)].sum())
+
+
 def _walled(
-    rims: Sequence[_Ring],
-    free: Sequence[_Ring],
-    others: Sequence[_Ring],
-    users: dict[int, list[_Ring]],
-) -> list[_Ring]:
+    rims: Sequence[Ring],
+    free: Sequence[Ring],
+    others: Sequence[Ring],
+    users: Mapping[int, Sequence[Ring]],
+) -> list[Ring]:
     """Return the rings with walls within the outline of a surface: no two others share an edge.
 
     Parameters
     ----------
-    rims : sequence of _Ring
+    rims : sequence of Ring
         The outlines of all surfaces.
-    free, others : sequence of _Ring
+    free, others : sequence of Ring
         Those of surfaces that may be holes, and rings that are of no surface.
-    users : dict of int to list of _Ring
+    users : mapping of int to sequence of Ring
         The outlines of surfaces at each edge.
     """
     homes = _Rings(rims)
@@ -257,26 +285,21 @@ def _walled(
 
 def with_clockwise_holes(sampled: SampledNet, outlines: Sequence[Loop]) -> Loop:
     """Return the loop of some outlines: the largest first, and the others run against it."""
-    rings = [_Ring.of(sampled, EXACT, outline) for outline in outlines]
+    rings = [Ring.of(sampled, EXACT, outline) for outline in outlines]
     rim = max(rings, key=lambda ring: ring.size)
     holes = (_clockwise(rim, ring) for ring in rings if ring is not rim)
     return joined_outlines((rim.outline, *holes))
 
 
-def _has_walls(ring: _Ring, home: _Ring, users: dict[int, list[_Ring]]) -> bool:
+def _has_walls(ring: Ring, home: Ring, users: Mapping[int, Sequence[Ring]]) -> bool:
     """Whether surfaces that leave the plane of its home stand on most of a ring, and no others."""
-    walled = 0.0
-    for edge in ring.edges:
-        others = [other for other in users.get(edge, ()) if other is not ring]
-        if len(others) > 1 or any(
-            home.off(other.points) <= LEAVING * home.length for other in others
-        ):
-            return False
-        walled += float(ring.sampled.lengths[edge]) * len(others)
-    return walled > WALLED * float(ring.sampled.lengths[list(ring.edges)].sum())
+    others = (o for edge in ring.edges for o in users.get(edge, ()) if o is not ring)
+    return share_of_walls(ring, users) > WALLED and all(
+        home.off(other.points) > LEAVING * home.length for other in others
+    )
 
 
-def _clockwise(outline: _Ring, hole: _Ring) -> Loop:
+def _clockwise(outline: Ring, hole: Ring) -> Loop:
     """Return a hole so that it runs against the outline round it."""
     against = float(outline.area @ hole.area) < 0.0
     return hole.outline if against else reversed_outline(hole.outline)

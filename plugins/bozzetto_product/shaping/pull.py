@@ -9,19 +9,16 @@ so do tangent planes along smooth edges.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index, cross_product
+from bozzetto.arrays import Array, Index, cross_product
 from bozzetto.ink import Stroke, resample
-from bozzetto_product.fill.exact_patches import exact_patches
-from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY
 from bozzetto_product.fill.fill import Fill
+from bozzetto_product.fill.moved_patches import Offsets, moved_patches
 from bozzetto_product.fill.patch_fill import PatchFill
-from bozzetto_product.fill.patch_space import PLATE, side_nodes
-from bozzetto_product.fill.quintic import bernstein
 from bozzetto_product.network.reflection import Reflection
 
 PLACES: Final = 48
@@ -32,10 +29,6 @@ GRID: Final = 24
 
 ROUNDS: Final = 6
 """Most times that the contour is sought anew."""
-
-FIRM: Final = 3000.0
-"""Weight of the stroke against the bending of the change: it is followed within a hair, and the
-shake of a hand is not."""
 
 SETTLED: Final = 1e-4
 """Change, as share of the loop's size, at which no further round is worth it."""
@@ -113,7 +106,7 @@ def pulled(
         contour = sights.contour(made, sense, tie)
         if contour is None:
             return Pulled(fill, _BESIDE)
-        moved = _moved(start, made, contour)
+        moved = moved_patches(start, made, contour)
         step = float(np.abs(moved.solution.free - made.solution.free).max())
         made = moved
         if step < SETTLED:
@@ -122,17 +115,6 @@ def pulled(
     if made.folded or turned > MOST_TURN:
         return Pulled(fill, _FOLDS)
     return Pulled(made)
-
-
-@dataclass(frozen=True, eq=False)
-class _Contour:
-    """Places of a fill that are to move, and by how much, across the line of sight."""
-
-    patches: Index
-    parameters: Array
-    ways: Array
-    heights: Array
-    weights: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +158,7 @@ class _Sights:
             return (-1.0 if above else 1.0), True
         return (1.0 if up < down else -1.0), False
 
-    def contour(self, fill: PatchFill, sense: float, tie: float) -> _Contour | None:
+    def contour(self, fill: PatchFill, sense: float, tie: float) -> Offsets | None:
         """Return the places that reach farthest across the stroke; None where it runs beside."""
         places, cells, parameters, inside = _grid(fill)
         start, end = cells.T
@@ -205,7 +187,7 @@ class _Sights:
             return None
         heights = np.array([row[3] for row in best])
         patches = start[lines] // (GRID + 1) ** 2
-        return _Contour(patches, at, self.upward[rays], heights, weights)
+        return Offsets(patches, at, self.upward[rays], heights, weights)
 
 
 def _grid(fill: PatchFill) -> tuple[Array, Index, Array, Array]:
@@ -224,39 +206,3 @@ def _grid(fill: PatchFill) -> tuple[Array, Index, Array, Array]:
     lines = (own + len(u) * np.arange(count)[:, None, None]).reshape(-1, 2)
     parameters = np.tile(np.column_stack((u, v)), (count, 1))
     return places, lines, parameters, parameters.min(axis=1)
-
-
-def _moved(fill: PatchFill, made: PatchFill, contour: _Contour) -> PatchFill:
-    """Return a fill changed by the bump that bends least and brings a contour to its rays.
-
-    The contour is that of the fill as changed so far.
-    """
-    from scipy.linalg import cho_factor, cho_solve
-
-    solution = fill.solution
-    space, loop = solution.space, solution.loop
-    stiffness, _ = space.stiffness(PLATE)
-    size = len(stiffness)
-    scale = float(np.trace(stiffness)) / size
-    values = np.einsum(
-        "ki,kj->kij", bernstein(contour.parameters[:, 0]), bernstein(contour.parameters[:, 1])
-    ).reshape(len(contour.patches), 1, -1)
-    basis = (values @ space.own_basis[contour.patches])[:, 0]
-    matrix = np.kron(np.eye(3), stiffness)
-    held: Flags = np.isfinite(loop.normals[..., 0])
-    if held.any():
-        weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
-        normals = loop.normals[held] * weights
-        rows = (normals[:, :, None] * space.across[0][held][:, None, :]).reshape(len(normals), -1)
-        matrix += TANGENCY * scale * (rows.T @ rows)
-    rows = (contour.ways[:, :, None] * basis[:, None, :]).reshape(len(basis), -1)
-    weighted = FIRM * scale * contour.weights[:, None] / len(rows)
-    matrix += rows.T @ (weighted * rows)
-    matrix[np.diag_indices_from(matrix)] += RIDGE * scale
-    so_far = space.basis.T @ (made.solution.free - solution.free)
-    wanted = rows @ so_far.T.ravel() - contour.heights / loop.size
-    right = (weighted * rows).T @ wanted
-    factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-    found = cho_solve(factor, right, check_finite=False).reshape(3, size).T
-    changed = replace(solution, free=solution.free + space.basis @ found)
-    return replace(fill, solution=changed, patches=exact_patches(changed))

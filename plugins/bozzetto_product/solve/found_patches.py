@@ -6,6 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from bozzetto_product.fill.guide_chart import GuideChart
+from bozzetto_product.fill.network_fills import guide_of
+from bozzetto_product.loops.bent_holes import with_bent_holes
 from bozzetto_product.loops.boundaries import boundary_of, loop_of, mirrored_boundary
 from bozzetto_product.loops.finding import FoundLoops, find_loops
 from bozzetto_product.loops.holes import EXACT, with_holes
@@ -41,7 +44,29 @@ def with_patches_found(state: ProductState, flat: float = EXACT) -> ProductState
     known = [(patch, loops_of_patch(net, patch)) for patch in patches]
     fixed = [loop for patch, loops in known if patch.confirmed for loop in loops]
     found = find_loops(net, fixed=fixed, rejected=_rejected(net, state.rejected), flat=flat)
-    return _with_loops(state, net, found.loops)
+    return _with_loops(state, net, _with_bent_holes(net, found.loops, len(fixed), found.candidates))
+
+
+def _with_bent_holes(
+    net: Net, loops: Sequence[Loop], fixed: int, candidates: Sequence[Loop]
+) -> list[Loop]:
+    """Return loops, turned alike, with the holes that are in surfaces that bend."""
+    made = _holes_added(net, orient_loops(net, loops).loops, fixed, candidates)
+    return [loop for loop in made if loop is not None]
+
+
+def _holes_added(
+    net: Net, loops: Sequence[Loop], fixed: int, candidates: Sequence[Loop]
+) -> list[Loop | None]:
+    """Return loops with the holes that are in surfaces that bend; None for those that are some."""
+    rims = {rim_edges(net, loop) for loop in loops}
+    others = [loop for loop in candidates if rim_edges(net, loop) not in rims]
+
+    def surface_of(number: int) -> GuideChart | None:
+        guide = guide_of(net, loops, number)
+        return None if guide is None else GuideChart(guide)
+
+    return with_bent_holes(SampledNet.of(net), loops, fixed, others, surface_of)
 
 
 def found_loops(state: ProductState, net: Net) -> FoundLoops:
@@ -166,8 +191,8 @@ def _with_own_holes(state: ProductState, net: Net, loop: Loop) -> Loop:
     """Return a loop that becomes a surface with the holes that are in it."""
     known = _loops(state, net)
     rim, others = rim_of(net, loop), find_loops(net).candidates
-    found = with_holes(SampledNet.of(net), [*known, rim], len(known), others)[-1]
-    return found or rim
+    found = with_holes(SampledNet.of(net), [*known, rim], len(known), others)[-1] or rim
+    return _holes_added(net, [*known, found], len(known), others)[-1] or found
 
 
 def _without_holes(state: ProductState, net: Net, loops: Sequence[Loop]) -> ProductState:
@@ -186,7 +211,8 @@ def _with_holes_added(state: ProductState, net: Net, loops: Sequence[Loop]) -> P
     rims = [rim_of(net, loop) for loop in loops]
     wanted = {rim_edges(net, rim) for rim in rims}
     known = _loops(state, net)
-    found = with_holes(SampledNet.of(net), known, 0, rims)
+    flat = with_holes(SampledNet.of(net), known, 0, rims)
+    found = _holes_added(net, [two or one for one, two in zip(known, flat, strict=True)], 0, rims)
     more = {
         rim_edges(net, before): [
             hole for hole in outlines_of(net, after)[1:] if rim_edges(net, hole) in wanted
