@@ -12,7 +12,7 @@ import threading
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
@@ -206,6 +206,31 @@ class Registry:
                 if plugin.info(modeler_id):
                     return Standing(self._info(plugin).status, plugin.id)
         return Standing("absent")
+
+    def plugin_at(self, files: Iterable[str]) -> PluginInfo | None:
+        """Return the plugin that a traceback leads to: the first whose package has a file of it.
+
+        Parameters
+        ----------
+        files : iterable of str
+            Source files, those of the innermost calls first.
+
+        Returns
+        -------
+        PluginInfo or None
+            None where all files are others', or the plugin is switched off already.
+        """
+        with self._lock:
+            infos = {
+                plugin.folder: self._info(plugin)
+                for plugin in self._plugins.values()
+                if plugin.folder != Path()
+            }
+        for file in files:
+            for folder in PurePath(file).parents:
+                if info := infos.get(Path(folder)):
+                    return info if info.status != "disabled" else None
+        return None
 
     def set_disabled(self, plugin_id: str, disabled: bool) -> None:
         """Switch a plugin off or on again. One that is imported stays so, but is not called."""
