@@ -74,6 +74,7 @@ class RecoveryDialog(Page):
         super().__init__("recovery", tr("Recovery", "Recover drawings"), parent)
         self._open, self._discard = open_, discard
         self._left = len(sessions)
+        self._first = QPushButton()
         self.column.addWidget(
             label(tr("Recovery", "Bozzetto closed unexpectedly."), kind="heading")
         )
@@ -99,6 +100,7 @@ class RecoveryDialog(Page):
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
+        self._first.setFocus()
         # The words wrap: how tall the cards are is known once they have a width and a screen.
         tall = self._cards.totalHeightForWidth(self._area.viewport().width())
         most = round(MOST_OF_SCREEN * self.screen().availableGeometry().height())
@@ -155,7 +157,7 @@ class RecoveryDialog(Page):
         away.setAccessibleName(tr("Recovery", "Discard “{name}”", name=session.name))
         away.setAutoDefault(False)
         if first:
-            button.setFocus()
+            self._first = button
 
         def tell(words: str, *, is_free: bool) -> None:
             button.setText(words)

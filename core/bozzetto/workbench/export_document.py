@@ -38,11 +38,11 @@ ABSENT = {
     ),
     "disabled": (
         "its plugin {plugin} is switched off",
-        "switch it on in the list of plugins",
+        "switch it on in the list of plugins (Help › Plugins)",
     ),
     "broken": (
         "its plugin {plugin} cannot be used",
-        "look in the list of plugins for the reason",
+        "look in the list of plugins (Help › Plugins) for the reason",
     ),
     "ready": (
         "this version of its plugin {plugin} cannot read it",

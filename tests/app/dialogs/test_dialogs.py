@@ -171,6 +171,7 @@ def test_the_plugin_that_was_at_work_is_named_and_can_be_switched_off(shown, cra
     )
     assert "The plugin “Lathe” was at work" in said(dialog)
     button = dialog.findChild(QPushButton, "switch-off-suspect")
+    assert dialog.focusWidget().text() == "Open"
     button.click()
     assert off == [True]
     assert not button.isEnabled()

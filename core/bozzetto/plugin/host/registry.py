@@ -250,8 +250,8 @@ class Registry:
         plugin, _ = self._find(modeler_id)
         if plugin.id in self._disabled:
             raise UserError(
-                f"The modeler {modeler_id} belongs to the plugin {plugin.id}, which is "
-                "disabled. Enable it in the list of plugins."
+                f"The plugin {plugin.id} is switched off. Switch it on in the list of plugins: "
+                f"Help › Plugins, or “bozzetto plugins enable {plugin.id}”."
             )
         self.guard.refuse_if_off(plugin.id)
         with plugin.loading:
