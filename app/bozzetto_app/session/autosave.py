@@ -18,9 +18,9 @@ from PySide6.QtCore import QObject, QTimer
 
 from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
 from bozzetto.errors import UserError
-from bozzetto_app.crash_log import files_at_crash
 from bozzetto_app.i18n import tr
 from bozzetto_app.paths import crash_log
+from bozzetto_app.session.crash_log import files_at_crash
 from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.drawing_record import (
     BroughtBack,

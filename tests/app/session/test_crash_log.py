@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from bozzetto_app.crash_log import files_at_crash
+from bozzetto_app.session.crash_log import files_at_crash
 
 CRASH = """
 import ctypes, faulthandler, pathlib, sys, threading
