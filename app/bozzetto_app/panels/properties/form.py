@@ -22,7 +22,6 @@ from bozzetto_app.widgets.tab_order import put_in_tab_order
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
-    from bozzetto.exchange.left_out import LeftOut
     from bozzetto.geometry.placement import Placement
     from bozzetto.parameters import Field
     from bozzetto_app.panels.properties.parameter_row import ParameterRow
@@ -135,8 +134,6 @@ class ParametersPanel(PanelScroll):
             session.parts.parameters,
             session.parts.chosen,
         )
-        if self._why_unusable() is not None:
-            own, inner = (), ()
         chosen = (session.selection.id, "" if part is None else part.id)
         fields = (*(field for field, _ in own), "", *(field for field, _ in inner))
         if chosen != self._owner:
@@ -184,20 +181,13 @@ class ParametersPanel(PanelScroll):
         """Return what stands in the place of parameters where there are none."""
         if self._session.selection.id is None:
             return tr("Parameters", "Draw or choose an object to see its parameters.")
-        why = self._why_unusable()
-        if why is None:
+        if model is None or self._session.workbench.is_usable(model):
             return tr("Parameters", "This object has no parameters.")
-        said = f"{why.reason}; {why.advice}"
-        return tr("Parameters", "This object is kept as it is: {why}.", why=said)
-
-    def _why_unusable(self) -> LeftOut | None:
-        """Return why the selected object cannot be changed now; None if it can."""
-        model, bench = self._session.selection.model, self._session.workbench
-        if model is None or bench.is_usable(model):
-            return None
         from bozzetto.workbench.export_document import unusable
 
-        return unusable(bench, model)
+        why = unusable(self._session.workbench, model)
+        said = "" if why is None else f"{why.reason}; {why.advice}"
+        return tr("Parameters", "This object is kept as it is: {why}.", why=said)
 
     def _bring_into_sight(self) -> None:
         """Scroll to the form of the chosen part, if its heading is out of sight."""
