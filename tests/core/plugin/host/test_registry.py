@@ -232,14 +232,14 @@ def test_disabling(make_package):
     package = make_package(WORKING)
     registry = Registry(extra=[package], disabled=[f"{package}.plugin"])
     assert status(registry, package) == "disabled"
-    with pytest.raises(UserError, match="Enable it"):
+    with pytest.raises(UserError, match="Switch it on"):
         registry.modeler(f"{package}.modeler")
     assert package not in sys.modules
     assert registry.state_type(f"{package}.modeler") is None
     registry.set_disabled(f"{package}.plugin", False)
     assert registry.modeler(f"{package}.modeler")
     registry.set_disabled(f"{package}.plugin", True)
-    with pytest.raises(UserError, match="Enable it"):
+    with pytest.raises(UserError, match="Switch it on"):
         registry.modeler(f"{package}.modeler")
     assert f"{package}.modeler" not in [info.id for info in registry.modelers()]
 
@@ -292,7 +292,7 @@ def test_a_modeler_that_is_installed_and_cannot_be_used_says_why(make_package, w
     registry = Registry(extra=[package])
     (info,) = [one for one in registry.plugins() if one.package == package]
     registry.set_disabled(info.id, why == "switched off")
-    with pytest.raises(UserError, match="disabled" if why == "switched off" else "written for"):
+    with pytest.raises(UserError, match="switched off" if why == "switched off" else "written for"):
         registry.resolve("modeler")
 
 
