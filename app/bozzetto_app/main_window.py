@@ -358,7 +358,17 @@ class Window(QMainWindow):
                 from bozzetto_app.dialogs.recovery import RecoveryDialog
 
                 keeper = self.keeper
-                self.dialogs.show(RecoveryDialog(crashed, keeper.recover, keeper.discard, self))
+                suspect = self.session.registry.plugin_at(keeper.files_at_crash)
+                plugin, title = ("", "") if suspect is None else (suspect.id, suspect.title)
+                dialog = RecoveryDialog(
+                    crashed,
+                    keeper.recover,
+                    keeper.discard,
+                    self,
+                    suspect=title,
+                    switch_off=lambda: self.dialogs.switch_off(plugin),
+                )
+                self.dialogs.show(dialog)
 
         self.keeper.find_crashed(found)
         self.session.files.tidy()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QStandardPaths
 
-__all__ = ["cache_folder", "log_file", "recovery_folder", "state_folder"]
+__all__ = ["cache_folder", "crash_log", "log_file", "recovery_folder", "state_folder"]
 
 
 def state_folder() -> Path:
@@ -25,6 +25,11 @@ def cache_folder() -> Path:
 def recovery_folder() -> Path:
     """Where the journals of open documents are."""
     return state_folder() / "recovery"
+
+
+def crash_log() -> Path:
+    """Where crashes of native code leave their tracebacks."""
+    return state_folder() / "crash.log"
 
 
 def log_file() -> Path:

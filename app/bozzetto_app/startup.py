@@ -23,7 +23,7 @@ from bozzetto.native_heap import bound_heap
 from bozzetto.plugin.host.registry import Registry
 from bozzetto_app.application import Application
 from bozzetto_app.main_window import Window
-from bozzetto_app.paths import log_file, state_folder
+from bozzetto_app.paths import crash_log, log_file
 from bozzetto_app.session.session import Session
 from bozzetto_app.session.window_faults import watch_window_faults
 from bozzetto_app.settings import ORGANISATION, PROGRAM, disabled_plugins, settings
@@ -203,6 +203,6 @@ class DiskLog(logging.Handler):
 def _log_to_disk() -> TextIO:
     """Log faults to a rotating file; crashes of native code leave a traceback beside it."""
     logging.getLogger().addHandler(DiskLog())
-    file = open(state_folder() / "crash.log", "a", encoding="utf-8")
+    file = open(crash_log(), "a", encoding="utf-8")
     faulthandler.enable(file)
     return file

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from PySide6.QtWidgets import QLabel
+
 from bozzetto.plugin.host.switched_off import switched_off
 from bozzetto_app.settings import DISABLED_PLUGINS, disabled_plugins, settings
 from tests.app.seen import names
@@ -43,6 +45,24 @@ def test_a_modeler_that_is_switched_off_leaves_the_hand(make_window, settle):
     settle(session, window.keeper)
     assert "Silhouette" in names(window.modelers)
     assert session.toolbox.modeler == other.id
+
+
+def test_the_form_of_what_is_switched_off_says_so_and_comes_back(make_window, settle, qtbot):
+    window = make_window()
+    session, form = window.session, window.docks.parameters
+    plugin = session.registry.info(session.toolbox.modeler).plugin
+    session.gestures.stroke_lifted(stroke_of(circle(), session.view.camera))
+    settle(session, window.keeper)
+    qtbot.waitUntil(lambda: form.is_ready)
+    assert not form.form.isHidden()
+    switch(window, plugin, False)
+    qtbot.waitUntil(lambda: form.is_ready)
+    assert form.form.isHidden()
+    assert any("is switched off" in each.text() for each in form.findChildren(QLabel))
+    switch(window, plugin, True)
+    qtbot.waitUntil(lambda: form.is_ready)
+    assert not form.form.isHidden()
+    assert form.form.rows
 
 
 def test_where_no_modeler_is_left_the_hand_is_empty(make_window, settle):

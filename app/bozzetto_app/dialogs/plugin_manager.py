@@ -89,7 +89,7 @@ class PluginManager(Page):
 
     def refresh(self) -> None:
         """Show the plugins as they are now."""
-        page = QWidget()
+        page = self._page = QWidget()
         column = QVBoxLayout(page)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(8)
@@ -156,5 +156,16 @@ class PluginManager(Page):
             keep_plugin_disabled(plugin, not on)
         except UserError as problem:
             self._session.notices.complain(problem)
+        place = self._area.verticalScrollBar().value()
         self.refresh()
+        self._go_on_at(plugin, place)
         self.switched.emit(plugin, on)
+
+    def _go_on_at(self, plugin: str, place: int) -> None:
+        """Show the cards where they were, with the switch of a plugin in the hand."""
+        page = self._page
+        page.adjustSize()  # else the range of the scroll bar is not known yet
+        self._area.verticalScrollBar().setValue(place)
+        toggle = page.findChild(Toggle, plugin)
+        if toggle is not None:
+            toggle.setFocus()

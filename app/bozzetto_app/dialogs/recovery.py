@@ -55,6 +55,10 @@ class RecoveryDialog(Page):
         Opens one, and calls back with whether it is on the sheet now.
     discard : callable
         Deletes one, and calls back with whether it is gone.
+    suspect : str
+        Title of the plugin that was at work when the program crashed; "" if none is known.
+    switch_off : callable
+        Switches that plugin off.
     """
 
     def __init__(
@@ -63,13 +67,19 @@ class RecoveryDialog(Page):
         open_: Callable[[CrashedSession, Callable[[bool], None]], object],
         discard: Callable[[CrashedSession, Callable[[bool], None]], object],
         parent: QWidget | None = None,
+        *,
+        suspect: str = "",
+        switch_off: Callable[[], object] = lambda: None,
     ) -> None:
         super().__init__("recovery", tr("Recovery", "Recover drawings"), parent)
         self._open, self._discard = open_, discard
         self._left = len(sessions)
+        self._first = QPushButton()
         self.column.addWidget(
             label(tr("Recovery", "Bozzetto closed unexpectedly."), kind="heading")
         )
+        if suspect:
+            self.column.addLayout(self._suspicion(suspect, switch_off))
         self._cards = QVBoxLayout()
         self._cards.setContentsMargins(0, 0, 0, 0)
         self._cards.setSpacing(12)
@@ -90,11 +100,37 @@ class RecoveryDialog(Page):
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
+        self._first.setFocus()
         # The words wrap: how tall the cards are is known once they have a width and a screen.
         tall = self._cards.totalHeightForWidth(self._area.viewport().width())
         most = round(MOST_OF_SCREEN * self.screen().availableGeometry().height())
         self._area.setMinimumHeight(min(tall, most))
         self.adjustSize()
+
+    def _suspicion(self, title: str, switch_off: Callable[[], object]) -> QHBoxLayout:
+        """Say which plugin was at work, which may crash again over the same drawing."""
+        button = QPushButton(tr("Recovery", "Switch off"))
+        button.setObjectName("switch-off-suspect")
+        button.setAccessibleName(tr("Recovery", "Switch off “{title}”", title=title))
+        button.setAutoDefault(False)
+
+        def off() -> None:
+            switch_off()
+            button.setText(tr("Recovery", "Switched off"))
+            button.setEnabled(False)
+
+        button.clicked.connect(off)
+        said = tr(
+            "Recovery",
+            "The plugin “{title}” was at work when it did. If opening a drawing closes the program "
+            "again, switch the plugin off first: its objects are kept as they are.",
+            title=title,
+        )
+        row = QHBoxLayout()
+        row.setSpacing(12)
+        row.addWidget(label(said), 1)
+        row.addWidget(button)
+        return row
 
     def _card(self, session: CrashedSession, *, first: bool) -> QFrame:
         card = QFrame()
@@ -121,7 +157,7 @@ class RecoveryDialog(Page):
         away.setAccessibleName(tr("Recovery", "Discard “{name}”", name=session.name))
         away.setAutoDefault(False)
         if first:
-            button.setFocus()
+            self._first = button
 
         def tell(words: str, *, is_free: bool) -> None:
             button.setText(words)

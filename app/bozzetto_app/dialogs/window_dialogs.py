@@ -126,6 +126,11 @@ class Dialogs:
 
     # -- plugins --
 
+    def switch_off(self, plugin: str) -> None:
+        """Switch a plugin off, now and at the next start."""
+        self._window.session.registry.set_disabled(plugin, True)
+        self.keep_off(plugin)
+
     def keep_off(self, plugin: str) -> None:
         """Keep a plugin switched off, also at the next start."""
         try:
@@ -139,6 +144,7 @@ class Dialogs:
         toolbox = self._window.session.toolbox
         self._window.modelers.refresh()
         self._window.actions_.refresh()
+        self._window.docks.parameters.refresh()
         if not on:
             toolbox.drop_if_gone()
         elif toolbox.modelers and not toolbox.modeler:

@@ -19,6 +19,8 @@ from PySide6.QtCore import QObject, QTimer
 from bozzetto.document.recovery.recovery import CrashedSession, Recovered, RecoveryStore
 from bozzetto.errors import UserError
 from bozzetto_app.i18n import tr
+from bozzetto_app.paths import crash_log
+from bozzetto_app.session.crash_log import files_at_crash
 from bozzetto_app.session.document_locks import Claim
 from bozzetto_app.session.drawing_record import (
     BroughtBack,
@@ -91,6 +93,12 @@ class Keeper(QObject):
     tasks : Queue, optional
         From which the thread that writes takes what it does, in order; None ends it. By default
         one of its own.
+
+    Attributes
+    ----------
+    files_at_crash : tuple of str
+        Source files in which the thread was that crashed last, the innermost first; known once
+        `find_crashed` has found something.
     """
 
     def __init__(
@@ -102,6 +110,7 @@ class Keeper(QObject):
         super().__init__(session)
         self._drawing, self._files = session.drawing, session.files
         self._notices, self._registry = session.notices, session.registry
+        self.files_at_crash: tuple[str, ...] = ()
         self._store = RecoveryStore(folder)
         self._sheet = _OnSheet(session.drawing.history, DrawingRecord(self._store))
         self._landing: BroughtBack | None = None
@@ -136,7 +145,12 @@ class Keeper(QObject):
 
         def work(job: Job) -> list[CrashedSession]:
             self._store.tidy()
-            return self._store.crashed_sessions()
+            crashed = self._store.crashed_sessions()
+            if crashed:
+                self.files_at_crash = files_at_crash(
+                    crash_log(), min(session.complete_to for session in crashed)
+                )
+            return crashed
 
         self._looks.submit(Request(work, found, self._complain))
 

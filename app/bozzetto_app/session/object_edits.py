@@ -100,9 +100,9 @@ class ObjectEdits(QObject):
 
     @property
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
-        """The parameters of the selected model with their values."""
+        """The parameters of the selected model with their values; none where it cannot be used."""
         model = self._selection.model
-        if model is None:
+        if model is None or not self._workbench.is_usable(model):
             return ()
         return fields_of(model.state, self._workbench.first_parameters(model))
 

@@ -87,8 +87,9 @@ class ObjectParts:
     def parameters(self) -> tuple[tuple[Field, Any], ...]:
         """The parameters of the chosen part with their values."""
         model = self._selection.model
-        first = () if model is None else self._workbench.first_parameters(model)
-        return fields_of(self.chosen, first)
+        if model is None or not self._workbench.is_usable(model):
+            return ()
+        return fields_of(self.chosen, self._workbench.first_parameters(model))
 
     @property
     def chosen_group(self) -> str:

@@ -185,11 +185,20 @@ class Session(QObject):
 
     def cancel_work(self) -> None:
         """Stop drawing, solving, reading and exporting; what was shown stays."""
+        solving = self.solver.busy
         waits = self.gestures.stop()
         self.toolbox.stop()
         self._cancel_shown_work()
         if waits:
             self.notices.tell(tr("Session", "Stopped. The ink waits; Enter tries it again."))
+        elif solving:
+            self.notices.tell(
+                tr(
+                    "Session",
+                    "Stopped. What you changed stays; the shape that is shown is an earlier one or "
+                    "a draft.",
+                )
+            )
         else:
             self.notices.tell(tr("Session", "Stopped. Nothing was changed."))
 

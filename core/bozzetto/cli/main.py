@@ -121,7 +121,10 @@ def _run(argv: Sequence[str] | None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
-        prog="bozzetto", description="Draw, and get 3D. Without a command, the window opens."
+        prog="bozzetto",
+        description="Draw, and get 3D. Without a command, the window opens.",
+        epilog="bozzetto FILE opens the window with a drawing, a mesh or a .bozz file; bozzetto "
+        "--no-plugins with no plugin at all, where one of them closes the program.",
     )
     parser.add_argument("--version", action="version", version=f"bozzetto {__version__}")
     parser.add_argument(*SWITCHES, action="store_true", help="show tracebacks of faults")

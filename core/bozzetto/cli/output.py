@@ -46,7 +46,12 @@ def workbench() -> Any:
     from bozzetto.plugin.host.switched_off import switched_off
     from bozzetto.workbench.workbench import Workbench
 
-    return Workbench(Registry(disabled=switched_off() or ()))
+    registry = Registry(disabled=switched_off() or ())
+    if sys.stderr is not None and sys.stderr.isatty():
+        from bozzetto.cli.slow_calls import tell_slow_calls
+
+        tell_slow_calls(registry.guard, lambda words: print(words, file=sys.stderr))
+    return Workbench(registry)
 
 
 def open_document(bench: Any, path: Path) -> Any:

@@ -38,11 +38,11 @@ ABSENT = {
     ),
     "disabled": (
         "its plugin {plugin} is switched off",
-        "switch it on in the list of plugins",
+        "switch it on in the list of plugins (Help › Plugins)",
     ),
     "broken": (
         "its plugin {plugin} cannot be used",
-        "look in the list of plugins for the reason",
+        "look in the list of plugins (Help › Plugins) for the reason",
     ),
     "ready": (
         "this version of its plugin {plugin} cannot read it",
@@ -125,11 +125,10 @@ def links_of(model: Model) -> dict[str, list[str]]:
 
 def unusable(bench: Workbench, model: Model) -> LeftOut | None:
     """Return why an object cannot be shown or exported now; None if it can."""
-    standing = bench.registry.standing(model.modeler)
-    usable = standing.status not in ("absent", "disabled", "broken")
-    if usable and not bench.is_foreign(model):
+    if bench.is_usable(model):
         return None
-    reason, advice = ABSENT["ready" if usable else standing.status]
+    standing = bench.registry.standing(model.modeler)
+    reason, advice = ABSENT.get(standing.status, ABSENT["ready"])
     facts = {"modeler": model.modeler, "plugin": standing.plugin}
     what = f"“{model.name}”"
     return LeftOut(what, (model.name,), reason.format(**facts), advice.format(**facts))

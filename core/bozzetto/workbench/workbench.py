@@ -416,6 +416,11 @@ class Workbench:
         """Whether a model belongs to a plugin that is not here."""
         return isinstance(model.state, OpaqueState)
 
+    def is_usable(self, model: Model) -> bool:
+        """Whether a model can be changed and solved: its plugin is here, on, and can read it."""
+        standing = self.registry.standing(model.modeler)
+        return standing.status in ("ready", "loaded") and not self.is_foreign(model)
+
     def shapes(self, models: Iterable[Model], job: Job) -> Shapes:
         """Return the shapes of models, in the world, named and coloured as in the document.
 

@@ -8,6 +8,7 @@ from collections import deque
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, QTimer
 from PySide6.QtGui import QGuiApplication, QInputDevice, QPointingDevice, QTabletEvent
 from PySide6.QtTest import QTest
@@ -28,6 +29,7 @@ from bozzetto_app.dialogs.recovery import RecoveryDialog
 from bozzetto_app.dialogs.shortcuts import ShortcutsDialog
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import Theme
+from bozzetto_app.toolkit.panel_scroll import PanelScroll
 from bozzetto_app.widgets.toggle import Toggle
 from tests.app.seen import button, part
 
@@ -160,6 +162,26 @@ def test_nothing_is_discarded_by_who_is_not_sure(offer, asked, sure):
     assert [verb for verb, *_ in asked] == ["discard"] * sure
 
 
+def test_the_plugin_that_was_at_work_is_named_and_can_be_switched_off(shown, crashed):
+    off = []
+    dialog = shown(
+        RecoveryDialog(
+            crashed, nothing, nothing, suspect="Lathe", switch_off=lambda: off.append(True)
+        )
+    )
+    assert "The plugin “Lathe” was at work" in said(dialog)
+    button = dialog.findChild(QPushButton, "switch-off-suspect")
+    assert dialog.focusWidget().text() == "Open"
+    button.click()
+    assert off == [True]
+    assert not button.isEnabled()
+
+
+def test_where_none_was_at_work_none_is_named(shown, crashed):
+    dialog = shown(RecoveryDialog(crashed, nothing, nothing))
+    assert dialog.findChild(QPushButton, "switch-off-suspect") is None
+
+
 @pytest.mark.parametrize("moment", [-1e300, 1e300, float("nan"), 0.0])
 def test_times_without_sense_stop_nobody(shown, crashed, moment):
     crashed[0] = CrashedSession("a", "Horse", None, moment, moment, "attic")
@@ -186,6 +208,24 @@ def test_switching_off_is_done_and_remembered(qtbot, shown, fake_session):
     assert fake_session.registry.disabled == {"maria.lathe": True}
     assert switched_off() == {"maria.lathe"}
     assert "switched off" in said(dialog)
+
+
+def test_the_list_of_plugins_stays_where_it_was_when_one_is_switched(qtbot, shown, fake_session):
+    registry = fake_session.registry
+    registry.infos = [
+        structs.replace(registry.infos[1], id=f"maria.lathe{k}", title=f"Lathe {k}")
+        for k in range(30)
+    ]
+    dialog = shown(PluginManager(fake_session))
+    bar = dialog.findChild(PanelScroll).verticalScrollBar()
+    qtbot.waitUntil(lambda: bar.maximum() > 0)
+    bar.setValue(bar.maximum() // 2)
+    place = bar.value()
+    dialog.findChild(Toggle, "maria.lathe15").click()
+    qtbot.wait(50)
+    assert bar.value() == place
+    assert dialog.focusWidget().objectName() == "maria.lathe15"
+    assert not dialog.findChild(Toggle, "maria.lathe15").isChecked()
 
 
 def test_a_plugins_fault_can_be_copied(qtbot, shown, fake_session):

@@ -20,13 +20,15 @@ from bozzetto.document.recovery.recovery import RecoveryStore
 from bozzetto.document.waiting_ink import WaitingStroke
 from bozzetto.errors import UserError
 from bozzetto.plugin.host.registry import Registry
+from bozzetto.plugin.host.switched_off import switched_off
 from bozzetto_app.dialogs.recovery import RecoveryDialog
+from bozzetto_app.paths import crash_log
 from bozzetto_app.session.autosave import Keeper
 from bozzetto_app.session.drawing_record import DrawingRecord
 from bozzetto_app.workers.channel import Channel
 from tests.app import drawing_child
 from tests.app.tablet import circle, draw, stroke_of
-from tests.app.troublemaker import MODELER
+from tests.app.troublemaker import MODELER, PLUGIN
 from tests.dead_process import left_behind
 
 ROOT = Path(__file__).parents[3]
@@ -293,6 +295,25 @@ def offered(make_window, keep, boxes, folder, settle, qtbot, crash):
         return window, window.findChild(RecoveryDialog)
 
     return make
+
+
+def test_the_plugin_in_which_the_program_crashed_can_be_switched_off_before(
+    offered, boxes, settle, qtbot
+):
+    folder = Registry(extra=[boxes.package]).info(MODELER).icon.parent
+    crash_log().write_text(
+        "Fatal Python error: Segmentation fault\n\n"
+        'Current thread 0x1 (most recent call first):\n  File "/elsewhere/native.py", line 4 in f\n'
+        f'  File "{folder / "modeler.py"}", line 3 in solve\n'
+    )
+    window, dialog = offered(1)
+    dialog.findChild(QPushButton, "switch-off-suspect").click()
+    assert PLUGIN in switched_off()
+    solved = boxes.calls["solve"]
+    buttons(dialog, "Open")[0].click()
+    qtbot.waitUntil(lambda: len(window.session.drawing.document) == 1, timeout=10_000)
+    settle(window.session, window.keeper)
+    assert boxes.calls["solve"] == solved  # it cannot crash again
 
 
 def buttons(dialog, words):

@@ -395,6 +395,8 @@ def test_cancelled_work_leaves_what_was_shown_and_the_document(session, boxes, d
     assert session.drawing.document is document
     assert meshes(session) == before
     assert "fault" not in kinds(session)
+    (told,) = (notice.text for notice in session.heard if notice.text.startswith("Stopped."))
+    assert "What you changed stays" in told  # the step is in the history, and the form shows it
 
 
 def test_renaming_while_solving_does_not_begin_again(session, boxes, settle):

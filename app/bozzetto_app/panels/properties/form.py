@@ -181,7 +181,7 @@ class ParametersPanel(PanelScroll):
         """Return what stands in the place of parameters where there are none."""
         if self._session.selection.id is None:
             return tr("Parameters", "Draw or choose an object to see its parameters.")
-        if model is None or not self._session.workbench.is_foreign(model):
+        if model is None or self._session.workbench.is_usable(model):
             return tr("Parameters", "This object has no parameters.")
         from bozzetto.workbench.export_document import unusable
 

@@ -365,6 +365,15 @@ _PLAIN: Final[dict[Any, Form]] = {
 }
 
 
+_KEPT: Final[dict[Any, str]] = {
+    list: "tuple[…, ...]",
+    set: "tuple[…, ...]",
+    frozenset: "tuple[…, ...]",
+    dict: "tuple[tuple[…, …], ...]",
+}
+"""What to write in place of types that can be changed, or have no order."""
+
+
 def form_of(hint: Any) -> Form:
     """Return the form of a type.
 
@@ -400,7 +409,8 @@ def _made(hint: Hashable) -> Form:
         if not hint.__dataclass_params__.frozen:  # type: ignore[attr-defined]
             raise TypeError(f"{hint.__name__} is a dataclass that is not frozen")
         return DataclassForm(hint)
-    raise TypeError(f"{hint} cannot be kept in a document")
+    advice = f"; write {_KEPT[origin or hint]}" if (origin or hint) in _KEPT else ""
+    raise TypeError(f"{hint} cannot be kept in a document{advice}")
 
 
 def _union_of(members: tuple[Any, ...]) -> Form:

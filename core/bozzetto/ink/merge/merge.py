@@ -131,7 +131,7 @@ def merge_strokes(
 
     Returns
     -------
-    Settled
+    MergedStrokes
         The result with the least score.
 
     Raises

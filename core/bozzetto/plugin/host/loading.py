@@ -84,12 +84,15 @@ def check_modelers(
                 raise Undelivered(f"It delivers the modeler {modeler.id} twice.")
             found[modeler.id] = modeler
     missing = sorted(set(announced) - set(found))
+    unannounced = sorted(set(found) - set(announced))
     if missing:
+        advice = "See that the function has the decorator @hookimpl."
+        if unannounced:
+            advice = f"It delivers {', '.join(unannounced)}: write one id in both places."
         raise Undelivered(
             f"Its manifest announces {', '.join(missing)}, and bozzetto_modelers does not "
-            "deliver it. See that the function has the decorator @hookimpl."
+            f"deliver it. {advice}"
         )
-    unannounced = sorted(set(found) - set(announced))
     if unannounced:
         raise Undelivered(f"It delivers {', '.join(unannounced)}, which its manifest lacks.")
     return found

@@ -12,7 +12,7 @@ import threading
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
@@ -207,6 +207,31 @@ class Registry:
                     return Standing(self._info(plugin).status, plugin.id)
         return Standing("absent")
 
+    def plugin_at(self, files: Iterable[str]) -> PluginInfo | None:
+        """Return the plugin that a traceback leads to: the first whose package has a file of it.
+
+        Parameters
+        ----------
+        files : iterable of str
+            Source files, those of the innermost calls first.
+
+        Returns
+        -------
+        PluginInfo or None
+            None where all files are others', or the plugin is switched off already.
+        """
+        with self._lock:
+            infos = {
+                plugin.folder: self._info(plugin)
+                for plugin in self._plugins.values()
+                if plugin.folder != Path()
+            }
+        for file in files:
+            for folder in PurePath(file).parents:
+                if info := infos.get(Path(folder)):
+                    return info if info.status != "disabled" else None
+        return None
+
     def set_disabled(self, plugin_id: str, disabled: bool) -> None:
         """Switch a plugin off or on again. One that is imported stays so, but is not called."""
         with self._lock:
@@ -225,8 +250,8 @@ class Registry:
         plugin, _ = self._find(modeler_id)
         if plugin.id in self._disabled:
             raise UserError(
-                f"The modeler {modeler_id} belongs to the plugin {plugin.id}, which is "
-                "disabled. Enable it in the list of plugins."
+                f"The plugin {plugin.id} is switched off. Switch it on in the list of plugins: "
+                f"Help › Plugins, or “bozzetto plugins enable {plugin.id}”."
             )
         self.guard.refuse_if_off(plugin.id)
         with plugin.loading:

@@ -23,7 +23,7 @@ from bozzetto.document.storage.state_codec import (
     encode_state,
     state_digest,
 )
-from bozzetto.document.storage.type_forms import MAX_DEPTH
+from bozzetto.document.storage.type_forms import MAX_DEPTH, form_of
 from bozzetto.errors import DocumentError
 from bozzetto.ink.stroke import Stroke, Strokes
 from bozzetto.parameters import Parameter, parameter_fields
@@ -205,6 +205,13 @@ HoldsTwins.__annotations__["mark"] = Disc | another_disc() | None
 def test_types_that_documents_cannot_keep_are_named(kind):
     with pytest.raises(TypeError, match=kind.__name__):
         check_encodable(kind, kind())
+
+
+def test_what_to_write_in_place_of_a_list_is_told():
+    with pytest.raises(TypeError, match=r"list\[int\] cannot be kept .* tuple"):
+        form_of(list[int])
+    with pytest.raises(TypeError, match=r"cannot be kept in a document$"):
+        form_of(complex)
 
 
 def test_a_state_of_another_type_is_refused():

@@ -106,6 +106,39 @@ BROKEN = {
 }
 
 
+def test_who_delivers_another_id_is_told_both(make_package):
+    package = make_package(BROKEN["another id"])
+    registry = Registry(extra=[package])
+    with pytest.raises(UserError) as caught:
+        registry.modeler(f"{package}.modeler")
+    assert f"announces {package}.modeler" in caught.value.message
+    assert "delivers x.y" in caught.value.message
+    assert "decorator" not in caught.value.message
+
+
+def test_a_traceback_leads_to_the_innermost_plugin(make_package, tmp_path):
+    inner, outer = make_package(WORKING), make_package(WORKING)
+    registry = Registry(extra=[inner, outer])
+    folders = {
+        info.package: registry.info(f"{info.package}.modeler").icon.parent
+        for info in registry.plugins()
+        if info.package in (inner, outer)
+    }
+    files = [
+        str(tmp_path / "native.py"),
+        str(folders[inner] / "deep" / "solve.py"),
+        str(folders[outer] / "solve.py"),
+    ]
+    found = registry.plugin_at(files)
+    assert found is not None
+    assert found.package == inner
+    registry.set_disabled(found.id, True)
+    assert registry.plugin_at(files) is None
+    assert registry.plugin_at(files[2:]).package == outer
+    assert registry.plugin_at(files[:1]) is None
+    assert registry.plugin_at(()) is None
+
+
 @pytest.mark.parametrize("code", BROKEN.values(), ids=BROKEN)
 def test_a_broken_plugin_does_not_break_the_others(make_package, code):
     before, broken, after = make_package(WORKING), make_package(code), make_package(WORKING)
@@ -199,14 +232,14 @@ def test_disabling(make_package):
     package = make_package(WORKING)
     registry = Registry(extra=[package], disabled=[f"{package}.plugin"])
     assert status(registry, package) == "disabled"
-    with pytest.raises(UserError, match="Enable it"):
+    with pytest.raises(UserError, match="Switch it on"):
         registry.modeler(f"{package}.modeler")
     assert package not in sys.modules
     assert registry.state_type(f"{package}.modeler") is None
     registry.set_disabled(f"{package}.plugin", False)
     assert registry.modeler(f"{package}.modeler")
     registry.set_disabled(f"{package}.plugin", True)
-    with pytest.raises(UserError, match="Enable it"):
+    with pytest.raises(UserError, match="Switch it on"):
         registry.modeler(f"{package}.modeler")
     assert f"{package}.modeler" not in [info.id for info in registry.modelers()]
 
@@ -259,7 +292,7 @@ def test_a_modeler_that_is_installed_and_cannot_be_used_says_why(make_package, w
     registry = Registry(extra=[package])
     (info,) = [one for one in registry.plugins() if one.package == package]
     registry.set_disabled(info.id, why == "switched off")
-    with pytest.raises(UserError, match="disabled" if why == "switched off" else "written for"):
+    with pytest.raises(UserError, match="switched off" if why == "switched off" else "written for"):
         registry.resolve("modeler")
 
 

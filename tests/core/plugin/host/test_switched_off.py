@@ -96,7 +96,7 @@ def test_a_modeler_that_is_switched_off_is_not_built_with(run, tmp_path, capfd):
     (tmp_path / "a.svg").write_text('<svg><path d="M0,0 L40,0 L40,30 L0,30 Z"/></svg>')
     words = ["build", "silhouette", str(tmp_path / "a.svg"), "-o", str(tmp_path / "a.stl")]
     assert main(words) == 2
-    assert "which is disabled. Enable it" in capfd.readouterr().err
+    assert "is switched off. Switch it on" in capfd.readouterr().err
 
 
 def test_the_reason_of_broken_is_printed(run, monkeypatch, make_package):
