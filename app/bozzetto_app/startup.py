@@ -88,7 +88,10 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     closing = ExitStack()
     closing.callback(watch_window_faults(session))
     window = Window(session)
-    paint = _FirstPaint(window, lambda: _after_first_paint(window, document, tidier, closing))
+    early = _early_interrupts(closing)
+    paint = _FirstPaint(
+        window, lambda: _after_first_paint(window, document, tidier, closing, early)
+    )
     window.installEventFilter(paint)
     if document is not None:
         window.expect_document()
@@ -101,6 +104,19 @@ def start(document: Path | None, *, plugins: bool = True) -> int:
     faulthandler.disable()
     crash_log.close()
     return code
+
+
+def _early_interrupts(closing: ExitStack) -> list[int]:
+    """Return where Ctrl+C is noted until the event loop listens to it.
+
+    An exception in the midst of the first paint would be printed by Qt, and forgotten.
+    """
+    import signal
+
+    early: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: early.append(number))
+    closing.callback(signal.signal, signal.SIGINT, before)
+    return early
 
 
 def _workers_end() -> bool:
@@ -140,7 +156,7 @@ class _FirstPaint(QObject):
 
 
 def _after_first_paint(
-    window: Window, document: Path | None, tidier: Tidier, closing: ExitStack
+    window: Window, document: Path | None, tidier: Tidier, closing: ExitStack, early: list[int]
 ) -> None:
     """Listen to Ctrl+C, and import in a thread what the first paint did not need, recovery first.
 
@@ -154,10 +170,14 @@ def _after_first_paint(
         Told when everything is imported.
     closing : ExitStack
         Given what has to end with the event loop.
+    early : list of int
+        Not empty if there was a Ctrl+C before.
     """
     from bozzetto_app.interrupts import InterruptWatch
 
     closing.callback(InterruptWatch(window.close).close)
+    if early:
+        window.close()
 
     def import_heavy() -> None:
         import_module(RECOVERY)

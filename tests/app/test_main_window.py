@@ -580,6 +580,27 @@ def test_ctrl_c_in_the_terminal_closes_an_idle_window(tmp_path):
     assert "code 0" in out
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are others there")
+def test_ctrl_c_in_the_midst_of_the_first_paint_closes_the_window(tmp_path):
+    """Nobody listens yet; an exception there would be printed by Qt, and forgotten."""
+    code = (
+        "import os, signal, sys\n"
+        "from bozzetto_app.canvas.viewport.software import SoftwareViewport\n"
+        "paint = SoftwareViewport.paintEvent\n"
+        "def interrupted(viewport, event):\n"
+        "    SoftwareViewport.paintEvent = paint\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    paint(viewport, event)\n"
+        "SoftwareViewport.paintEvent = interrupted\n"
+        "from bozzetto_app.__main__ import main\n"
+        "print('code', main([]))"
+    )
+    done = run("-c", code, home=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "code 0" in done.stdout
+    assert "KeyboardInterrupt" not in done.stderr
+
+
 # -- OpenGL ---------------------------------------------------------------------------------------
 
 GL_PROBE = """
