@@ -1,4 +1,4 @@
-"""What a car exports: its surfaces, its edges, and the styling curves."""
+"""Export of a car: its surfaces, its edges, and the styling curves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What other programs get: exact planes and cylinders, where their motion has taken them."""
+"""Shapes for other programs: exact planes and cylinders, where their motion has taken them."""
 
 from __future__ import annotations
 

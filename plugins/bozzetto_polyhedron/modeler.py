@@ -47,7 +47,7 @@ from bozzetto_polyhedron.view.scene import scene_of
 
 @dataclass(frozen=True, eq=False)
 class PolyhedronResult:
-    """What became of every drawing, by its id, and the drawings; and what other objects gave."""
+    """Results of every drawing, by its id, the drawings, and the shapes of other objects."""
 
     bodies: Mapping[str, Solved]
     drawings: tuple[Body, ...]

@@ -222,7 +222,7 @@ class Layer:
 
     @cached_property
     def points(self) -> NDArray[Any]:
-        """What is shown of it when a scene is framed, (n, 3) mm.
+        """Places of it that are in view when a scene is framed, (n, 3) mm.
 
         The vertices of meshes, the points of lines and marks; beyond `MOST_FRAMED` thinned out.
         """

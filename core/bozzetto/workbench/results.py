@@ -40,7 +40,7 @@ class _Known(msgspec.Struct, frozen=True):
     result: Any = None
     problem: UserError | PluginFault | None = None
     shapes: list[Shapes] = msgspec.field(default_factory=list)
-    """What the modeler hands over of it, once that was asked for."""
+    """Shapes that the modeler hands over of it, once that was asked for."""
 
 
 class KnownResults:

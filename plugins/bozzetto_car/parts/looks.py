@@ -1,4 +1,4 @@
-"""What the parts of a car are called and look like, and their mirror images."""
+"""Names and looks of the parts of a car, and their mirror images."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is let into the body by a gap: panes within frames, lamps, grilles."""
+"""Insets of the body behind a gap: panes within frames, lamps, grilles."""
 
 from __future__ import annotations
 

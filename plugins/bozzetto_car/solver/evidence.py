@@ -228,7 +228,7 @@ class Factored:
 
 @dataclass(frozen=True, eq=False)
 class Pulls:
-    """What a sketch says of the variables of a car, along the factors of several kinds of cars.
+    """Evidence of a sketch on the variables of a car, along the factors of several kinds of cars.
 
     Attributes
     ----------

@@ -94,7 +94,7 @@ class Part:
 
     @property
     def price(self) -> float:
-        """What it costs to believe in this part, as a natural logarithm."""
+        """Cost of believing in this part, as a natural logarithm."""
         return BENT if self.bend > 0.0 else 0.0
 
 
@@ -112,7 +112,7 @@ NO_CHANGE: Final = (0.0, 0, 0)
 
 @dataclass(frozen=True, eq=False)
 class Weighed:
-    """What the marks tell of the car and of the hand, and which marks count.
+    """Verdict of the marks on the car and the hand, and which marks count.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What to do next with a car: the mark that is asked for, and where the sketch expects it."""
+"""Next step of a car: the mark that is asked for, and where the sketch expects it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What needs no gesture."""
+"""Commands, which need no gesture."""

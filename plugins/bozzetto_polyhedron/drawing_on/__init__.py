@@ -1,1 +1,1 @@
-"""What is drawn on a body after it was reconstructed."""
+"""Strokes on a body after it was reconstructed."""

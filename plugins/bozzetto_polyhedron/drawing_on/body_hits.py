@@ -1,4 +1,4 @@
-"""What of a body is under a place of the sheet: a corner, an edge, or a face.
+"""Part of a body under a place of the sheet: a corner, an edge, or a face.
 
 The first three cases of Masry et al. 2004, "Adding strokes", in their order.
 """
@@ -26,7 +26,7 @@ UNSEEN: Final = 0.4
 
 @dataclass(frozen=True, eq=False)
 class Met:
-    """What of a body is under a place of the sheet.
+    """Part of a body under a place of the sheet.
 
     Parameters
     ----------

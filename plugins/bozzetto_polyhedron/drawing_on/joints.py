@@ -35,7 +35,7 @@ OVERLAP: Final = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """What becomes of two bodies.
+    """Result of joining two bodies.
 
     Parameters
     ----------

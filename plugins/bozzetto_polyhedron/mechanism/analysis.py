@@ -1,4 +1,4 @@
-"""What is free, what is held twice, and the forces in bars at rest."""
+"""Degrees of freedom, redundant constraints, and the forces in bars at rest."""
 
 from __future__ import annotations
 

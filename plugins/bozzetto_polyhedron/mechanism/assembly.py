@@ -1,4 +1,4 @@
-"""What a mechanism is made of: bodies with mass, and the joints between them. SI units."""
+"""Assembly of a mechanism: bodies with mass, and the joints between them. SI units."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class Pull:
 
 @dataclass(frozen=True, eq=False)
 class _Pose:
-    """What a step of a length knows about a pose: its masses and its factored joints.
+    """Masses and factored joints of a pose, for steps of one length.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What touches in a step, the ground or one another, and what that gives to the bodies."""
+"""Contacts of bodies in a step, with the ground or one another, and their impulses."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Touches:
 
 
 class Touching:
-    """What the ground and bodies do to one another in one assembly.
+    """Contacts between the ground and the bodies of one assembly.
 
     Parameters
     ----------

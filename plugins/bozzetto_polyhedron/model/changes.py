@@ -1,4 +1,4 @@
-"""What is done to a body after it was reconstructed: the recipe of each change."""
+"""Changes of a body after it was reconstructed: the recipe of each."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Point: TypeAlias = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Change(Part):
-    """What was done to a body after it was reconstructed.
+    """Change of a body after it was reconstructed.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class EdgeChange(Change):
 
     @property
     def size(self) -> float:
-        """What its dot changes, mm."""
+        """Length that its dot changes, mm."""
         return float(getattr(self, self.sized_by))
 
     def sized(self, size: float) -> Self:

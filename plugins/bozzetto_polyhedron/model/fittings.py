@@ -57,7 +57,7 @@ class Anchor:
 
 @dataclass(frozen=True)
 class Fitting(Part):
-    """What joins two spots."""
+    """Fitting that joins two spots."""
 
     begin: Spot = Spot()
     end: Spot = Spot()
@@ -106,7 +106,7 @@ class Pin(Fitting):
 
 @dataclass(frozen=True)
 class Driven(Fitting):
-    """What turns, by itself or driven."""
+    """Fitting that turns, by itself or driven."""
 
     drive: Annotated[
         Drive,

@@ -95,7 +95,7 @@ class Moved:
 
 @dataclass(frozen=True)
 class Grab:
-    """What the pen holds.
+    """Grip of the pen.
 
     Parameters
     ----------

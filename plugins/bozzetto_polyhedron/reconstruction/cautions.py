@@ -1,4 +1,4 @@
-"""What a person should know about an answer."""
+"""Cautions that a person is told about an answer."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def with_hidden_corners(
 
 @dataclass(eq=False)
 class _Search:
-    """What the search knows of the drawing, and how many steps it has made."""
+    """State of the search: what is known of the drawing, and the number of steps so far."""
 
     drawing: Drawing
     junctions: Junctions

@@ -1,4 +1,4 @@
-"""What downstream programs get of a body: exact faces for CAD, and a closed mesh."""
+"""Shapes of a body for other programs: exact faces for CAD, and a closed mesh."""
 
 from __future__ import annotations
 

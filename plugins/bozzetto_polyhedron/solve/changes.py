@@ -1,4 +1,4 @@
-"""What was done to a body after it was reconstructed, one change after another."""
+"""Changes of a body after it was reconstructed, made one after another."""
 
 from __future__ import annotations
 

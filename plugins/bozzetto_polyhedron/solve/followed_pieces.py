@@ -1,4 +1,4 @@
-"""What of a body of another object can move by itself: groups of faces, and what hangs apart."""
+"""Pieces of another object's body that can move by themselves: groups of faces, and what hangs apart."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ REACH: Final = 22.0
 
 @dataclass(frozen=True, eq=False)
 class Touched:
-    """What is under the pen.
+    """Thing under the pen.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What tools have in common that change a solid by one touch or stroke."""
+"""Base of tools that change a solid by one touch or stroke."""
 
 from __future__ import annotations
 

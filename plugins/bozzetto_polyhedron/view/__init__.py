@@ -1,1 +1,1 @@
-"""What is shown on the sheet and in space."""
+"""Scenes on the sheet and in space."""

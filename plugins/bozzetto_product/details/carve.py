@@ -73,7 +73,7 @@ Near = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Form:
-    """What becomes of a region.
+    """Result of carving a region.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def _first_faces(shell: Shell, chart: Chart, rings: Sequence[Ring], near: Near) 
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    """What a detail is made of, whatever has become of the faces that it lies on.
+    """Shape of a detail, whatever has become of the faces that it lies on.
 
     Parameters
     ----------

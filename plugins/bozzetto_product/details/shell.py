@@ -22,7 +22,7 @@ SAMPLES: Final = 8
 
 @dataclass(frozen=True)
 class Owner:
-    """What a face belongs to.
+    """Owner of a face.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What torsions at corners leave open, chosen so that curvature changes least along the edges.
+"""Torsions that corners leave open, chosen so that curvature changes least along the edges.
 
 Along an edge the surface's second fundamental form has three entries in the frame of the unit
 tangent t and b = n x t: the normal curvature κ and the geodesic torsion τ, which the normals tell,

@@ -245,7 +245,7 @@ class _Candidate:
 
 @dataclass(frozen=True, eq=False)
 class _Conditions:
-    """What the sides of a loop ask of a surface: squares of rows, and loads of what is known.
+    """Conditions of the sides of a loop on a surface: squares of rows, and loads of what is known.
 
     Parameters
     ----------

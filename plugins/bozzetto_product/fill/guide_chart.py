@@ -61,7 +61,7 @@ class GuideChart:
 
     @cached_property
     def outline(self) -> shapely.Polygon:
-        """What the loop of the fill encloses."""
+        """Region that the loop of the fill encloses."""
         import shapely
 
         domain = self.guide.solution.space.domain

@@ -98,7 +98,7 @@ def fill_net(
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    """What the loops of a net are filled with.
+    """Fills of the loops of a net.
 
     Parameters
     ----------

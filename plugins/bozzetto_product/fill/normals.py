@@ -33,7 +33,7 @@ CORNER_REACH: Final = 0.5
 
 @dataclass(frozen=True, eq=False)
 class LoopNormals:
-    """What the surface of a loop must fit along its half edges.
+    """Conditions that the surface of a loop fits along its half edges.
 
     Parameters
     ----------

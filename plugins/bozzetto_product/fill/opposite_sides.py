@@ -1,4 +1,4 @@
-"""What opposite sides have in common is carried from one to the other, over the spoke between.
+"""Carrying of what opposite sides have in common over the spoke between them.
 
 Rails that bend alike over an edge are no polynomials: what each has beyond one, D, fades out on the
 way to the centre of the fill, and the surface sags between the rails. So the share of it that both

@@ -84,7 +84,7 @@ class PatchSpace:
 
     @cached_property
     def own_sides(self) -> Array:
-        """What the control points of the sides do to those of each patch, (n, 36, 10 n)."""
+        """Effect of the sides' control points on those of each patch, (n, 36, 10 n)."""
         rows = np.vstack((self.particular, np.eye(SIDE_POINTS * self.count)))
         return rows[self.numbers.reshape(self.count, -1)]
 

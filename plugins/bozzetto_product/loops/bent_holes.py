@@ -48,11 +48,11 @@ sphere does by .354."""
 
 
 class BentSurface(Protocol):
-    """What a loop is filled with, and the plane over which it lies."""
+    """Fill of a loop, and the plane over which it lies."""
 
     @property
     def outline(self) -> shapely.Polygon:
-        """What the loop encloses in that plane."""
+        """Region that the loop encloses in that plane."""
 
     def farthest(self, points: Array) -> float:
         """Return the distance from the surface of the point farthest from it, mm."""

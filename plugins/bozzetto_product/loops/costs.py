@@ -65,7 +65,7 @@ OF_SHAPE: Final = ("thin", "concave", "twisted", "many sides")
 
 @dataclass(frozen=True, eq=False)
 class LoopCosts:
-    """What speaks against each loop, and how many sides it has.
+    """Cost of each loop, and the number of its sides.
 
     Parameters
     ----------

@@ -123,7 +123,7 @@ class Ring:
 
     @cached_property
     def inside(self) -> shapely.Polygon | None:
-        """What it encloses in its plane; None where it crosses itself."""
+        """Region that it encloses in its plane; None where it crosses itself."""
         import shapely
 
         polygon = shapely.Polygon(self.points @ self.axes.T)

@@ -1,4 +1,4 @@
-"""What surfaces and details look like."""
+"""Colours and materials of surfaces and details."""
 
 from __future__ import annotations
 

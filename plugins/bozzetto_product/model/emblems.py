@@ -77,7 +77,7 @@ class FlatOutlines:
 
 @dataclass(frozen=True)
 class Lettering(Part):
-    """What an emblem has besides a detail; it stands before it in forms.
+    """Fields of an emblem besides those of a detail; it stands before it in forms.
 
     Parameters
     ----------

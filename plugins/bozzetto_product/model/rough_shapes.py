@@ -1,4 +1,4 @@
-"""What is drawn on: rough shapes, and surfaces of other models."""
+"""Shapes to draw on: rough shapes, and surfaces of other models."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ STEEPEST: Final = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """What is seen along a curve on the sheet.
+    """Depths that are seen along a curve on the sheet.
 
     Attributes
     ----------

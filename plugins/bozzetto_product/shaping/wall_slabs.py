@@ -38,7 +38,7 @@ ARC_STEP: Final = float(np.radians(11.25))
 
 @dataclass(frozen=True, eq=False)
 class Slab:
-    """What lies between a surface and its offset.
+    """Slab between a surface and its offset.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What curves are drawn on: rough shapes, and the surfaces of other models."""
+"""Canvases of curves: rough shapes, and the surfaces of other models."""
 
 from __future__ import annotations
 

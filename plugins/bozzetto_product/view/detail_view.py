@@ -1,4 +1,4 @@
-"""What is shown of details: surfaces with what is cut out of them, walls and floors."""
+"""Scenes of details: surfaces with what is cut out of them, walls and floors."""
 
 from __future__ import annotations
 
