@@ -1,4 +1,4 @@
-"""Fittings that join the pieces of a machine besides their corners: links, springs, axes, motors."""
+"""Fittings that join pieces of a machine besides their corners: links, springs, axes, motors."""
 
 from __future__ import annotations
 

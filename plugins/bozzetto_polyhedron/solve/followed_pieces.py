@@ -1,4 +1,4 @@
-"""Pieces of another object's body that can move by themselves: groups of faces, and what hangs apart."""
+"""Pieces of another object that can move by themselves: groups of faces, and what hangs apart."""
 
 from __future__ import annotations
 

@@ -22,12 +22,22 @@ HAIR: Final = 1e-4
 """Half the width of what is cut away where an outline touches itself, as a share of the
 size: outlines that touch enclose no solid."""
 
-NEAR: Final = 2e-5
-"""Distance, as a share of the size, up to which outlines touch: closer ones cross once they are
-smoothed. What is cut away leaves them twice as far apart."""
+NEAR: Final = 2.0 * HAIR
+"""Distance, as a share of the size, up to which outlines touch: no wall is so thin."""
+
+APART: Final = 4e-5
+"""Least distance of those that touched, as a share of the size: closer ones cross once they are
+smoothed."""
+
+ALONG: Final = 3.0
+"""Way along an outline, in such distances, over which it may be so near to itself."""
 
 SPECK: Final = 1e-8
 """Area of a ring that is left out, as a share of the squared size: a rest of rounding."""
+
+THIN: Final = 2.5e-4
+"""Area of a ring that is left out, by its length, as a share of the size: about half its width. Areas
+that were meant to lie side by side leave such slivers between them, which nobody sees."""
 
 MAX_MEETINGS: Final = 200_000
 """Pairs of outlines whose boxes overlap."""
@@ -323,22 +333,46 @@ def _joined(rings: Sequence[Array], areas: Sequence[Area | None]) -> list[Array]
     painted = [CrossSection(contours, rules[area.rule]) for area, contours in by_area.items()]
     whole: Any = CrossSection.batch_boolean(painted, OpType.Add)
     found = _closed(whole.to_polygons())
-    if _meeting(found, NEAR) or not all(_is_simple(ring) for ring in found):
-        for change in (-HAIR, HAIR - NEAR):
+    if _meeting(found, NEAR) or any(map(_is_tight, found)):
+        for change in (-HAIR, HAIR - 0.5 * APART):
             whole = whole.offset(change, JoinType.Round, 2.0, ARC_CORNERS)
         found = _closed(whole.to_polygons())
     return [ring * size + low for ring in found]
 
 
 def _closed(polygons: Sequence[Array]) -> list[Array]:
-    """Return rings that repeat their first point, without specks."""
+    """Return rings that repeat their first point, without specks and slivers."""
     rings = [np.vstack((p, p[:1])).astype(np.float64) for p in polygons if len(p) > 2]
-    return [ring for ring in rings if abs(_area(ring)) > SPECK]
+    lengths = [float(np.hypot(*np.diff(ring, axis=0).T).sum()) for ring in rings]
+    return [
+        ring
+        for ring, length in zip(rings, lengths, strict=True)
+        if abs(_area(ring)) > max(SPECK, THIN * length)
+    ]
 
 
 def _area(ring: Array) -> float:
     x, y = (ring - ring[0]).T
     return 0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1])
+
+
+def _is_tight(ring: Array) -> bool:
+    """Whether a ring crosses, touches or nearly touches itself; pointed tips count as well."""
+    import shapely
+
+    if not _is_simple(ring):
+        return True
+    reach = NEAR * float(np.ptp(ring, axis=0).max())
+    sides, lengths = _sides(ring), np.hypot(*np.diff(ring, axis=0).T)
+    ends = np.cumsum(lengths)
+    for pairs in _near(sides, MAX_NEAR, reach):
+        one, other = pairs.T
+        between = ends[other] - lengths[other] - ends[one]
+        back = ends[-1] - between - lengths[one] - lengths[other]
+        pairs = pairs[np.minimum(between, back) > ALONG * reach]
+        if shapely.dwithin(*sides[pairs.T], reach).any():
+            return True
+    return False
 
 
 def _is_simple(ring: Array) -> bool:

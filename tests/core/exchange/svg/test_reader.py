@@ -561,6 +561,28 @@ def test_what_touches_by_a_hair_is_apart_or_one(gap, turn):
     assert painted(body).area == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.parametrize("wide", [1e-3, 0.01, 0.03])
+def test_slivers_between_areas_that_lie_side_by_side_are_none(wide):
+    """Two halves of a ring that nearly meet, and a bar over each end of the gap between them."""
+    halves = f"M0 0H50V100H0z M{50 + wide} 0H100V100H{50 + wide}z"
+    bars = "M40 0H60V9H40z M40 91H60V100H40z"
+    body = f'<path d="{halves} {bars}"/>'
+    assert len(lines(body)) == 1
+    assert painted(body).area == pytest.approx(1e4, rel=1e-3)
+    gap = f"M0 0H50V100H0z M52 0H100V100H52z {bars}"
+    assert len(lines(f'<path d="{gap}"/>')) == 2
+
+
+@pytest.mark.parametrize("wall", [0.0, 1e-3, 0.01])
+def test_a_wall_that_is_thin_as_a_hair_is_none(wall):
+    """A hole that points at the rim: nothing holds together by so little."""
+    hole = f"M{wall} 50L50 20V80z"
+    body = f'<path fill-rule="evenodd" d="M0 0H100V100H0z {hole}"/>'
+    assert len(lines(body)) == 1
+    assert len(lines(body.replace(hole, "M5 50L50 20V80z"))) == 2
+    assert painted(body).area == pytest.approx(1e4 - 1500, rel=2e-3)
+
+
 def test_a_slit_to_a_hole_is_none():
     keyhole = "M0 0H40V20H30V10H10V30H30V20H40V40H0z"
     assert painted(f'<path d="{keyhole}"/>').area == pytest.approx(1200, rel=1e-3)
