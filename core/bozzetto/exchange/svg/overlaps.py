@@ -36,8 +36,8 @@ SPECK: Final = 1e-8
 """Area of a ring that is left out, as a share of the squared size: a rest of rounding."""
 
 THIN: Final = 2.5e-4
-"""Area of a ring that is left out, by its length, as a share of the size: about half its width. Areas
-that were meant to lie side by side leave such slivers between them, which nobody sees."""
+"""Area of a ring that is left out, by its length, as a share of the size: about half its width.
+Areas that were meant to lie side by side leave such slivers between them, which nobody sees."""
 
 MAX_MEETINGS: Final = 200_000
 """Pairs of outlines whose boxes overlap."""
