@@ -420,7 +420,7 @@ def test_a_document_that_is_opened_says_that_ink_waits_and_an_export_that_it_is_
     assert "Ink is waiting" in session.heard[-1].text
     session.files.exchange.export(tmp_path / "a.stl")
     settle(session)
-    assert "waits" in session.heard[-1].text
+    assert "Waiting ink is not exported" in session.heard[-1].text
 
 
 def test_a_stroke_lifted_while_an_export_runs_is_taken_and_the_export_is_of_before(

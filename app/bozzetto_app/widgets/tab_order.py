@@ -28,9 +28,9 @@ def put_in_tab_order(first: QWidget, parts: Iterable[QWidget]) -> None:
                 before = widget
 
 
-def last_stop(part: QWidget) -> QWidget:
-    """Return the last widget in a part at which Tab stops, or the part if there is none."""
-    return [part, *_stops(part)][-1]
+def last_stop(part: QWidget | None) -> QWidget | None:
+    """Return the last widget in a part at which Tab stops, if there is one."""
+    return None if part is None else next(iter([*_stops(part)][-1:]), None)
 
 
 def _stops(part: QWidget) -> Iterator[QWidget]:

@@ -368,7 +368,7 @@ def test_the_command_line_hands_a_skin_over(tmp_path):
     bench = SimpleNamespace(
         shapes=lambda models, job: SHAPES if len(models) else Shapes(),
         registry=SimpleNamespace(standing=lambda modeler: Standing("ready", "author.car")),
-        is_foreign=lambda model: False,
+        is_usable=lambda model: True,
         cautions=lambda model, job: (),
     )
     write_output(bench, document, tmp_path / "out" / "car.STP")

@@ -188,7 +188,7 @@ def test_misspelt_abilities_are_found(subject, faulty, monkeypatch):
 
 
 def test_samples_are_tried(make_package, faulty):
-    sampled = FAULTY_MANIFEST + 'abilities = ["read_shapes"]\nsamples = ["there_is_none.json"]\n'
+    sampled = FAULTY_MANIFEST.replace('"panel", ', "") + 'samples = ["there_is_none.json"]\n'
     package = make_package(
         "from bozzetto.plugin import hookimpl\nimport sys\n@hookimpl\n"
         f"def bozzetto_modelers(): return sys.modules[{faulty.package!r}].given",

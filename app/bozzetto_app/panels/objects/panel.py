@@ -366,10 +366,9 @@ class ObjectsPanel(QWidget):
         widget = self._widget(self._entries[row])
         self.list.setItemWidget(self.list.item(row), widget)
         above = (self.list.itemWidget(self.list.item(other)) for other in reversed(range(row)))
-        nearest = next(filter(None, above), None)
-        before = self.list if nearest is None else last_stop(nearest)
-        put_in_tab_order(before, (widget,))
+        before = next(filter(None, map(last_stop, above)), self.list)
         self._show_row(row, models)
+        put_in_tab_order(before, (widget,))
 
     def _current_widget(self) -> QWidget | None:
         """Return what stands in the chosen row."""
