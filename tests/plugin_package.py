@@ -40,7 +40,8 @@ def fixture_of(source: str, modeler: str) -> Any:
     Parameters
     ----------
     source : str
-        The module, which has a `MANIFEST`; it is imported when a test asks for the modeler.
+        The module, which has a `MANIFEST`, and `CODE` of its package if that is not the usual one;
+        it is imported when a test asks for the modeler.
     modeler : str
         Its class of modelers.
     """
@@ -58,7 +59,7 @@ def fixture_of(source: str, modeler: str) -> Any:
 def imported(source: ModuleType, modeler: Any, tmp_path: Path, monkeypatch: Any) -> Iterator[Any]:
     """The modeler in a package of its own, described by `source`; `modeler.package` is its name."""
     package = f"made_up_{source.__name__.rpartition('.')[2]}_{tmp_path.name.replace('-', '_')}"
-    write(tmp_path / "packages", package, source.MANIFEST)
+    write(tmp_path / "packages", package, source.MANIFEST, getattr(source, "CODE", CODE))
     monkeypatch.syspath_prepend(tmp_path / "packages")
     importlib.invalidate_caches()
     importlib.import_module(package).given.append(modeler)

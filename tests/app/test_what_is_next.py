@@ -62,6 +62,7 @@ def check(window):
             if of_point or panel.text() == step.sentence:
                 break
             QTest.qWait(20)
+            step = session.hints.step  # of a shape that has come meanwhile
         assert of_point or panel.text() == step.sentence
     front = [button for button in buttons(rail(window)) if getattr(button, "is_next", False)]
     pointed = {step.tool for button in front if step.tool in button.behind}

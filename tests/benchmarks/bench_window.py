@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tests.benchmarks import many_objects
 from tests.benchmarks.timing import Row
 
 REPEATS = 9
@@ -132,7 +133,13 @@ def dearest_imports(report: str, count: int = DEAREST) -> list[tuple[str, float]
 
 
 def rows(repeats: int = REPEATS) -> Iterator[Row]:
-    """The window in turn with a bare one, warm: the files have been read before."""
+    """The window in turn with a bare one, warm; and with hundreds of objects."""
+    yield from many_objects.rows()
+    yield from _starts(repeats)
+
+
+def _starts(repeats: int) -> Iterator[Row]:
+    """From the start to the first paint; the files have been read before."""
     ours, bare = [], []
     heavy: set[str] = set()
     for turn in range(repeats + 1):

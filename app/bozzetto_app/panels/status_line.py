@@ -34,7 +34,6 @@ class _Sign(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setObjectName("status-sign")
         self.setFixedSize(QSize(16, 16))
         self.show_kind("hint")
 
@@ -98,7 +97,7 @@ class FaultBar(QFrame):
         self.setProperty("shape", "fault")
         self.setAccessibleName(tr("FaultBar", "Fault"))
         sign = _Sign()
-        sign.kind = "fault"
+        sign.show_kind("fault")
         self._words = QLabel()
         self._words.setObjectName("fault-words")
         self._words.setWordWrap(True)
@@ -226,6 +225,7 @@ class StatusLine(QWidget):
         room.setRetainSizeWhenHidden(True)
         self._progress.setSizePolicy(room)
         self._sign = _Sign()
+        self._sign.setObjectName("status-sign")
         self._words = _Elided(session.hints.step.sentence)
         self._words.setObjectName("status-words")
         self._step = QLabel()

@@ -60,7 +60,7 @@ def rows() -> Iterator[Row]:
                 longest.append(1000.0 * max([took, *_busy_turns(session)]))
             middle = statistics.median(longest)
             said = f"{COUNT} objects, one {what}: longest turn of the window, processor time"
-            yield Row("objects", said, middle, "ms", BUDGET)
+            yield Row("window", said, middle, "ms", BUDGET)
         close(window)
 
 
