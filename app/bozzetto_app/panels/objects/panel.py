@@ -113,8 +113,9 @@ class ObjectsPanel(QWidget):
         if wanted != self._entries:
             self._exchange(wanted)
         models = {model.id: model for model in document}
-        for row in range(len(self._entries)):
-            self._show_row(row, models)
+        for row, entry in enumerate(self._entries):
+            if entry.kind != "model" or not self._is_shown(entry, models[entry.id]):
+                self._show_row(row, models)
         empty = not document.models and not document.underlays
         self._empty.setVisible(empty)
         self.list.setVisible(not empty)
@@ -138,8 +139,6 @@ class ObjectsPanel(QWidget):
         widget = self.list.itemWidget(item)
         if isinstance(widget, ModelRow):
             model = models[entry.id]
-            if self._is_shown(entry, model):
-                return
             tree = self._session.parts.of_model(model)
             is_open = self._is_open(entry.id) if tree is not None and tree.parts else None
             link = link_words(model, document)
