@@ -253,10 +253,12 @@ class Exchange(QObject):
         def work(job: Job, paths: Sequence[Path]) -> Any:
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
+            from bozzetto.workbench.films import with_recording
 
             objects = known or self._kept_shapes(document, names)
             if objects is None:
                 objects = object_shapes(bench, models, job)
+            objects = with_recording(bench, document, objects, names, paths, job)
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
             if keep:
                 self._looked_at = document, names, objects

@@ -14,7 +14,7 @@ from bozzetto_polyhedron.commands.bodies import (
     unfolded,
 )
 from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges
-from bozzetto_polyhedron.commands.motion import at_rest, has_moved, swing
+from bozzetto_polyhedron.commands.motion import at_rest, forget, has_moved, is_recorded, swing
 from bozzetto_polyhedron.commands.pieces import has_followed, put_together, take_apart
 
 
@@ -72,6 +72,13 @@ def all_commands() -> Sequence[Command]:
             "Put everything that was moved back to where it was drawn.",
             at_rest,
             enabled=has_moved,
+        ),
+        Command(
+            "forget",
+            "Forget the recording",
+            "Throw away how things moved, with the traces; they stay where they are.",
+            forget,
+            enabled=is_recorded,
         ),
         Command(
             "take-apart",

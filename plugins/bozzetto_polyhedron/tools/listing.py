@@ -24,6 +24,7 @@ from bozzetto_polyhedron.tools.move import Move
 from bozzetto_polyhedron.tools.open_face import OpenFace
 from bozzetto_polyhedron.tools.pieces import FreePiece
 from bozzetto_polyhedron.tools.push import DrawOnFace, PushLoop
+from bozzetto_polyhedron.tools.replay import Replay
 from bozzetto_polyhedron.tools.slant import SlantTool
 from bozzetto_polyhedron.tools.turn_solid import TurnSolid
 
@@ -49,6 +50,7 @@ def all_tools() -> tuple[Tool[Any], ...]:
         DrawPin(),
         TraceCorner(),
         FreePiece(),
+        Replay(),
         DimensionTool(),
         SlantTool(),
         Erase(),

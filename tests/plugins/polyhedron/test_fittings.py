@@ -15,8 +15,9 @@ from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.model.fittings import Coil, Link, Trace
 from bozzetto_polyhedron.model.state import Recording
 from bozzetto_polyhedron.modeler import PolyhedronModeler
-from bozzetto_polyhedron.solve.moving import MOST_POSES, moving
+from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.solve.paths import path_of
+from bozzetto_polyhedron.solve.recording import MOST_POSES
 from bozzetto_polyhedron.tools.fittings import (
     DrawCrank,
     DrawHinge,
