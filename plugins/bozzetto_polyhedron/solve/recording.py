@@ -87,7 +87,7 @@ def at_time(state: PolyhedronState, seconds: float) -> PolyhedronState:
     turns = kept.turns.reshape(-1, count, 3, 3)
     span = times[after] - times[before]
     share = (seconds - times[before]) / span if span > 0.0 else 0.0
-    place, turn = _between(places[before], turns[before], places[after], turns[after], share)
+    place, turn = screw_between(places[before], turns[before], places[after], turns[after], share)
     still = np.zeros((count, 3))
     moved = Moved(
         places=frozen(place, np.float64, 3),
@@ -120,7 +120,7 @@ def _first(kept: Recording, count: int) -> Recording:
     )
 
 
-def _between(
+def screw_between(
     place: Array, turn: Array, other: Array, turned: Array, share: float
 ) -> tuple[Array, Array]:
     """Return places (n, 3) and turns (n, 3, 3) at a share of the screws from some to others."""
