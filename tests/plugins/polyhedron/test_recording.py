@@ -165,8 +165,8 @@ def test_a_recording_is_thrown_away_and_then_there_is_nothing_to_replay():
         with pytest.raises(UserError, match="Nothing was recorded"):
             Replay().step(without, None, 0.02, Context())
         assert Replay().next_step(without).tool == "move"
-    assert "are recorded" in Move().next_step(state).words
-    assert "Film of what moves" in Replay().next_step(state).words
+    assert "are recorded" in Move().next_step(state).sentence
+    assert "Film of what moves" in Replay().next_step(state).sentence
 
 
 def test_a_recording_of_other_pieces_is_none():
