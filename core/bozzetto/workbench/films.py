@@ -150,7 +150,7 @@ def recorded_times(
         found = found[np.concatenate(([True], np.diff(found) > SAME_TIME))]
         count = len(found)
     else:
-        count = max(2, int(np.ceil(longest * rate)) + 1)
+        count = max(2, int(np.ceil(longest * rate - SAME_TIME)) + 1)
         found = np.minimum(np.arange(min(count, MOST_FRAMES)) / rate, longest)
     if count > MOST_FRAMES:
         found = np.linspace(0.0, longest, MOST_FRAMES)

@@ -54,6 +54,6 @@ class Replay(Tool[PolyhedronState]):
         if len(times) < 2:
             return NextStep(NOTHING, tool="move")
         return NextStep(
-            f"{times[-1] - times[0]:.1f} s are recorded. {self.hint} “Film of what moves” in the "
-            "menu “File” saves it."
+            f"{self.hint} {times[-1] - times[0]:.1f} s are recorded; “Film of what moves” in the "
+            "menu “File” saves them."
         )
