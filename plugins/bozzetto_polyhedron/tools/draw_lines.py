@@ -17,6 +17,7 @@ from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet, where_seen
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.kept_poses import at_rest_here
+from bozzetto_polyhedron.solve.mending import MENDABLE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
 from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.solve.standing import stood
@@ -87,7 +88,8 @@ class DrawLines(ErasingTool):
         if graph.health:
             finding = graph.health[0]
             x, y, z = (float(v) for v in on_sheet(body, np.array([finding.place]))[0])
-            return NextStep(finding.sentence, place=(x, y, z))
+            by_touch = " “Mend” does it at a touch." if finding.what in MENDABLE else ""
+            return NextStep(f"{finding.sentence}{by_touch}", place=(x, y, z))
         if body.choice is None:
             return NextStep("The lines close. Touch a corner to turn it.", tool=TurnSolid.id)
         found: Solved | None = None

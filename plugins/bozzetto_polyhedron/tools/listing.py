@@ -19,6 +19,7 @@ from bozzetto_polyhedron.tools.fittings import (
     DrawSpring,
     TraceCorner,
 )
+from bozzetto_polyhedron.tools.mend import Mend
 from bozzetto_polyhedron.tools.mirror import MirrorTool
 from bozzetto_polyhedron.tools.move import Move
 from bozzetto_polyhedron.tools.open_face import OpenFace
@@ -54,4 +55,5 @@ def all_tools() -> tuple[Tool[Any], ...]:
         DimensionTool(),
         SlantTool(),
         Erase(),
+        Mend(),
     )
