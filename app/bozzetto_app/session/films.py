@@ -93,7 +93,12 @@ class Films(QObject):
                 data = films.animation_of(bench, rows, times, ending)
             else:
                 data = films.picture_film_of(
-                    bench, rows, RATE, size, lambda scene, document: seen, ending
+                    bench,
+                    rows,
+                    films.pace_of(times, RATE),
+                    size,
+                    lambda scene, document: seen,
+                    ending,
                 )
             write_bytes(path, data)
 

@@ -25,7 +25,7 @@ RATE: Final = 25.0
 def simulate(options: argparse.Namespace) -> int:
     """Move what moves by itself, or as it was recorded; the exit code."""
     from bozzetto.atomic_files import write_bytes
-    from bozzetto.workbench.films import ANIMATIONS, ENDINGS, animation_of
+    from bozzetto.workbench.films import ANIMATIONS, ENDINGS, animation_of, pace_of
 
     refuse_overwriting([options.document], [options.output], None)
     check_ending(options.output, ENDINGS)
@@ -33,11 +33,12 @@ def simulate(options: argparse.Namespace) -> int:
     bench = workbench()
     document = open_document(bench, options.document)
     films, seconds = _films(bench, document, options, ending)
+    rate = pace_of(seconds, RATE if options.rate is None else options.rate)
     if ending in ENDINGS:
         if ending in ANIMATIONS:
             data = animation_of(bench, films, seconds, ending, options.object, warn)
         else:
-            data = _pictures(bench, films, options, ending)
+            data = _pictures(bench, films, options, rate)
         make_folder(options.output)
         write_bytes(options.output, data)
     else:
@@ -64,11 +65,11 @@ def _films(bench: Any, document: Any, options: argparse.Namespace, ending: str) 
     return films.replayed(bench, document, kept, times), times
 
 
-def _pictures(bench: Any, films: Any, options: argparse.Namespace, ending: str) -> bytes:
+def _pictures(bench: Any, films: Any, options: argparse.Namespace, rate: float) -> bytes:
     from bozzetto.scene.snapshot import framed
     from bozzetto.workbench.films import picture_film_of
 
-    size, rate = picture_size(options.size), RATE if options.rate is None else options.rate
+    size, ending = picture_size(options.size), options.output.suffix.lower()
     if options.view is None:
         return picture_film_of(bench, films, rate, size, ending=ending)
     return picture_film_of(

@@ -73,11 +73,7 @@ def frames(
     UserError
         If nothing in it moves by itself, or there are too many frames.
     """
-    if not (seconds > 0.0 and rate > 0.0 and seconds * rate <= MOST_FRAMES):
-        raise UserError(
-            f"A film has 1 to {MOST_FRAMES} frames. Choose seconds and frames a second above 0, "
-            f"and no more than {MOST_FRAMES} together."
-        )
+    times = frame_times(seconds, rate)
     job = job or Job()
     players = {model.id: tool for model in document if (tool := _player(bench, model)) is not None}
     if not players:
@@ -86,7 +82,7 @@ def frames(
     for model in resolved(document).values():
         if model.id in players and model.sources:
             bench.solve(model, job)  # a tool is given what was solved
-    count = max(1, round(seconds * rate))
+    count = len(times) - 1
     steps = max(1, -int(-1.0 / rate // LONGEST))
     still: dict[str, UserError] = {}
     for number in range(count):
@@ -107,7 +103,18 @@ def frames(
 
 
 def frame_times(seconds: float, rate: float) -> list[float]:
-    """Return the times of the documents that `frames` yields, s."""
+    """Return the times of the documents that `frames` yields, s.
+
+    Raises
+    ------
+    UserError
+        If there are too many, or none.
+    """
+    if not (seconds > 0.0 and rate > 0.0 and seconds * rate <= MOST_FRAMES):
+        raise UserError(
+            f"A film has 1 to {MOST_FRAMES} frames. Choose seconds and frames a second above 0, "
+            f"and no more than {MOST_FRAMES} together."
+        )
     return [number / rate for number in range(max(1, round(seconds * rate)) + 1)]
 
 
@@ -156,6 +163,11 @@ def recorded_times(
         found = np.linspace(0.0, longest, MOST_FRAMES)
     times: list[float] = found.tolist()
     return times
+
+
+def pace_of(times: Sequence[float], rate: float) -> float:
+    """Return how many frames a second show times truly: the rate, or fewer where these are fewer."""
+    return min(rate, (len(times) - 1) / times[-1])
 
 
 def replayed(

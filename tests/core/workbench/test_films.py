@@ -11,7 +11,7 @@ from bozzetto.document.model import Document, Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.guard.answer_validation import sound_times
 from bozzetto.plugin.guard.checked_values import Unsound
-from bozzetto.workbench.films import MOST_FRAMES, recorded_times, recordings, replayed
+from bozzetto.workbench.films import MOST_FRAMES, pace_of, recorded_times, recordings, replayed
 
 
 class Bench:
@@ -66,6 +66,12 @@ def test_long_recordings_have_as_many_frames_as_a_film_may_have(rate):
     assert len(times) == MOST_FRAMES
     assert (times[0], times[-1]) == (0.0, 900.0)
     assert np.diff(times) == pytest.approx(900.0 / (MOST_FRAMES - 1))
+
+
+@pytest.mark.parametrize("last", [0.3, 1.0, 200.0])
+def test_pictures_of_a_recording_last_as_long_as_it_did(last):
+    times = recorded_times({"a": (0.0, last)}, 25.0)
+    assert (len(times) - 1) / pace_of(times, 25.0) == pytest.approx(last, abs=1 / 25)
 
 
 def test_times_that_are_next_to_one_another_are_one_frame():

@@ -85,7 +85,7 @@ def ink_of(state: PolyhedronState) -> Strokes:
 def test_a_touch_on_a_gap_draws_the_line_across_it(seed):
     begin, end = corners(seed)[list(EDGES[9])]
     half = 27.0 / np.linalg.norm(end - begin)
-    ink = block(seed, (0.0, 0.6 - half), (0.6 + half, 1.0))
+    ink = block(seed, (0.0, 0.7 - half), (0.7 + half, 1.0))
     after = ink_of(touched(state_of(ink), "gap"))
     assert len(after) == len(ink) + 1
     assert after[-1].pressure == pytest.approx(0.8)
