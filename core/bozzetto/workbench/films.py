@@ -166,7 +166,7 @@ def recorded_times(
 
 
 def pace_of(times: Sequence[float], rate: float) -> float:
-    """Return how many frames a second show times truly: the rate, or fewer where these are fewer."""
+    """Return how many frames a second show times truly: those of the rate at most."""
     return min(rate, (len(times) - 1) / times[-1])
 
 
