@@ -8,6 +8,7 @@ from bozzetto.plugin import Command
 from bozzetto_polyhedron.commands.answers import has_body, mirrored_answer, next_answer
 from bozzetto_polyhedron.commands.bodies import (
     begin_body,
+    equal_lengths,
     on_the_ground,
     right_angles,
     sheet,
@@ -99,6 +100,12 @@ def all_commands() -> Sequence[Command]:
             "Right angles on or off",
             "Make angles that are nearly right exactly right, or leave them as drawn.",
             right_angles,
+        ),
+        Command(
+            "equal-lengths",
+            "Equal lengths on or off",
+            "Make lengths that are nearly equal exactly equal, or leave them as drawn.",
+            equal_lengths,
         ),
         Command(
             "sheet",
