@@ -38,6 +38,7 @@ def recorded(state: PolyhedronState, before: Motion, motion: Motion) -> Recordin
     is_known = kept > 0 and known.seconds[-1, 0] == before.time
     added = [] if is_known else [before]
     added += [motion] if motion.time > before.time else []
+    added = added[: MOST_POSES - kept]
     if not added:
         return known
     return Recording(

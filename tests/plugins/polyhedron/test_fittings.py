@@ -89,7 +89,7 @@ def test_a_trace_is_where_the_corner_was():
     state = played(traced(four_bar(speed=360.0), FOUR_BAR["c"]), 1.0)
     (trace,) = state.of_kind(Trace)
     path = path_of(trace, state, moving(state))
-    assert len(path) == 60
+    assert len(path) == 61  # with where it began
     rocker = np.linalg.norm(path - moving(state).machine.shapes[0].vertices[-1], axis=1)
     assert np.ptp(rocker) < 1e-4 * rocker.mean()
     assert np.linalg.norm(path[-1] - path[0]) < 0.1 * np.ptp(path[:, 0])
