@@ -1,0 +1,159 @@
+"""Finer triangles where paint ends, so that its edges do not follow the triangles of the mesh.
+
+The screen shows colours at vertices. Edges across which the paint changes are halved a few times;
+every triangle beside a halved edge is divided with it, so no gap opens. The surface stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bozzetto.arrays import Array, Faces, Flags, Index
+from bozzetto.geometry import Mesh
+from bozzetto_silhouette.appearance.paint_layer import Track, paint_at
+from bozzetto_silhouette.appearance.vertex_colors import CONTRAST, Coat
+
+LEVELS = 3
+"""How often an edge is halved: of a mesh that is seen at 8 px a triangle one pixel is left."""
+
+MOST_FACES = 200_000
+"""Triangles that are shown at most: a further level that would make more is left out."""
+
+SOFT = 4.0
+"""Width of an edge that fades, in edges of the mesh, from which these show it: what lies straight
+between two vertices is then less than 12 of 255 off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """How a mesh is divided, and the paint on what comes out.
+
+    Attributes
+    ----------
+    faces : (f, 3) int32 array
+    parents : tuple of (k, 2) int array
+        Level by level, the two vertices that each new one lies between.
+    paint : Coat
+        Of all vertices, those of the mesh first.
+    """
+
+    faces: Faces
+    parents: tuple[Index, ...]
+    paint: Coat
+
+    def spread(self, values: Array) -> Array:
+        """Return values at the vertices of the mesh, (v, d), at all vertices."""
+        for pair in self.parents:
+            values = np.concatenate([values, 0.5 * (values[pair[:, 0]] + values[pair[:, 1]])])
+        return values
+
+    def applied(self, mesh: Mesh) -> Mesh:
+        """Divide a mesh with the same triangles, wherever its vertices are; without colours."""
+        normals = self.spread(mesh.vertex_normals().astype(np.float64))
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        return replace(
+            mesh,
+            vertices=self.spread(mesh.vertices.astype(np.float64)).astype(np.float32),
+            faces=self.faces,
+            normals=normals.astype(np.float32),
+            colors=None,
+            cover=None,
+        )
+
+
+def refined(mesh: Mesh, tracks: Sequence[Track], step: float, levels: int = LEVELS) -> Refinement:
+    """Divide the triangles of a mesh where paint ends.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        At rest.
+    tracks : sequence of Track
+        The strokes on it.
+    step : float
+        Spacing of the mesh, mm.
+    levels : int
+        How often an edge is halved at most.
+    """
+    points = mesh.vertices.astype(np.float64)
+    normals = mesh.vertex_normals().astype(np.float64)
+    faces, parents, detail = mesh.faces, [], step
+    for _ in range(levels):
+        ends, sides = _edges(faces)
+        length = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
+        long = np.flatnonzero(length > 0.75 * detail)
+        sharp = [track for track in tracks if _fade(track) < SOFT * detail]
+        split = long[_changes(sharp, points, normals, ends[long], detail)]
+        marked = np.full(len(ends), -1)
+        marked[split] = len(points) + np.arange(len(split))
+        if not len(split) or len(faces) + 2 * len(split) > MOST_FACES:
+            break
+        pair = ends[split]
+        parents.append(pair)
+        points = np.concatenate([points, points[pair].mean(axis=1)])
+        between = normals[pair].sum(axis=1)
+        between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-300)
+        normals = np.concatenate([normals, between])
+        faces = _divided(faces, marked[sides])
+        detail *= 0.5
+    return Refinement(faces, tuple(parents), paint_at(tracks, points, normals, detail))
+
+
+def _fade(track: Track) -> float:
+    """Return the width over which the edge of a stroke fades in most of its places, mm."""
+    return track.look.softness * float(np.median(track.segments.radii))
+
+
+def _edges(faces: Faces) -> tuple[Index, Index]:
+    """Return the edges (e, 2) of triangles, and which of them each side (f, 3) is.
+
+    The side k of a triangle runs from its corner k to the next.
+    """
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    size = int(faces.max(initial=0)) + 1
+    keys, sides = np.unique(ends[:, 0].astype(np.int64) * size + ends[:, 1], return_inverse=True)
+    return np.stack([keys // size, keys % size], axis=1), sides.reshape(-1, 3)
+
+
+def _changes(
+    tracks: Sequence[Track], points: Array, normals: Array, ends: Index, detail: float
+) -> Flags:
+    """Whether the paint differs between the ends and the middle of edges (e, 2)."""
+    used, at = np.unique(ends, return_inverse=True)
+    middle = points[ends].mean(axis=1)
+    looks = normals[ends].sum(axis=1)
+    looks /= np.maximum(np.linalg.norm(looks, axis=1, keepdims=True), 1e-300)
+    coat = paint_at(
+        tracks,
+        np.concatenate([points[used], middle]),
+        np.concatenate([normals[used], looks]),
+        detail,
+    )
+    seen = np.column_stack([coat.rgb, 255.0 * coat.cover])
+    corners = seen[at.reshape(ends.shape)]
+    both = np.concatenate([corners, seen[len(used) :, None]], axis=1)
+    return np.asarray(np.ptp(both, axis=1).max(axis=1) > CONTRAST)
+
+
+def _divided(faces: Faces, middle: Index) -> Faces:
+    """Divide triangles (f, 3) at the middles of their sides, (f, 3), −1 where a side stays."""
+    count = (middle >= 0).sum(axis=1)
+    # Turned so that the first side is halved, and the second, too, if two are.
+    first = middle >= 0
+    first = np.where((count == 2)[:, None], first & np.roll(first, -1, axis=1), first)
+    turn = (first.argmax(axis=1)[:, None] + np.arange(3)) % 3
+    rows = np.arange(len(faces))[:, None]
+    corners, middles = faces[rows, turn], middle[rows, turn]
+    (a, b, c), (ab, bc, ca) = corners.T, middles.T
+    one, two, three = (np.flatnonzero(count == k) for k in (1, 2, 3))
+    pieces = [faces[count == 0]]
+    for kind, triangles in (
+        (one, ((a, ab, c), (ab, b, c))),
+        (two, ((a, ab, c), (ab, bc, c), (ab, b, bc))),
+        (three, ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))),
+    ):
+        pieces += [np.stack([corner[kind] for corner in one_of], axis=1) for one_of in triangles]
+    return np.concatenate(pieces).astype(np.int32)
