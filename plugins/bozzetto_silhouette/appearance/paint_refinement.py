@@ -16,8 +16,8 @@ from bozzetto.geometry import Mesh
 from bozzetto_silhouette.appearance.paint_layer import Track, paint_at
 from bozzetto_silhouette.appearance.vertex_colors import CONTRAST, Coat
 
-LEVELS = 3
-"""How often an edge is halved: of a mesh that is seen at 8 px a triangle one pixel is left."""
+FINEST = 0.125
+"""Length of the edges that are left, in steps of the mesh: of a step that is seen as 8 px one."""
 
 MOST_FACES = 200_000
 """Triangles that are shown at most: a further level that would make more is left out."""
@@ -64,7 +64,7 @@ class Refinement:
         )
 
 
-def refined(mesh: Mesh, tracks: Sequence[Track], step: float, levels: int = LEVELS) -> Refinement:
+def refined(mesh: Mesh, tracks: Sequence[Track], step: float, finest: float = FINEST) -> Refinement:
     """Divide the triangles of a mesh where paint ends.
 
     Parameters
@@ -74,23 +74,27 @@ def refined(mesh: Mesh, tracks: Sequence[Track], step: float, levels: int = LEVE
     tracks : sequence of Track
         The strokes on it.
     step : float
-        Spacing of the mesh, mm.
-    levels : int
-        How often an edge is halved at most.
+        Spacing of the mesh, mm; a few edges may be much longer.
+    finest : float
+        Length of the edges that are left where paint ends, in steps.
     """
     points = mesh.vertices.astype(np.float64)
     normals = mesh.vertex_normals().astype(np.float64)
-    faces, parents, detail = mesh.faces, [], step
-    for _ in range(levels):
-        ends, sides = _edges(faces)
-        length = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
-        long = np.flatnonzero(length > 0.75 * detail)
-        sharp = [track for track in tracks if _fade(track) < SOFT * detail]
+    faces, parents = mesh.faces, []
+    ends, sides = _edges(faces)
+    longest = float(_lengths(points, ends).max(initial=step))
+    detail = step * 2.0 ** np.ceil(np.log2(longest / step))
+    while detail > 1.5 * finest * step:
+        long = np.flatnonzero(_lengths(points, ends) > 0.75 * detail)
+        sharp = [_widened(track, detail) for track in tracks if _fade(track) < SOFT * detail]
         split = long[_changes(sharp, points, normals, ends[long], detail)]
+        if len(faces) + 2 * len(split) > MOST_FACES:
+            break
+        detail *= 0.5
+        if not len(split):
+            continue
         marked = np.full(len(ends), -1)
         marked[split] = len(points) + np.arange(len(split))
-        if not len(split) or len(faces) + 2 * len(split) > MOST_FACES:
-            break
         pair = ends[split]
         parents.append(pair)
         points = np.concatenate([points, points[pair].mean(axis=1)])
@@ -98,13 +102,24 @@ def refined(mesh: Mesh, tracks: Sequence[Track], step: float, levels: int = LEVE
         between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-300)
         normals = np.concatenate([normals, between])
         faces = _divided(faces, marked[sides])
-        detail *= 0.5
-    return Refinement(faces, tuple(parents), paint_at(tracks, points, normals, detail))
+        ends, sides = _edges(faces)
+    fine = min(detail, step)
+    return Refinement(faces, tuple(parents), paint_at(tracks, points, normals, fine))
+
+
+def _lengths(points: Array, ends: Index) -> Array:
+    return np.asarray(np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1))
 
 
 def _fade(track: Track) -> float:
     """Return the width over which the edge of a stroke fades in most of its places, mm."""
     return track.look.softness * float(np.median(track.segments.radii))
+
+
+def _widened(track: Track, detail: float) -> Track:
+    """Return a stroke that is nowhere so thin that edges of a length cross it unseen."""
+    radii = np.maximum(track.segments.radii, 0.5 * detail)
+    return track._replace(segments=track.segments._replace(radii=radii))
 
 
 def _edges(faces: Faces) -> tuple[Index, Index]:
