@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
+from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.geometry import Mesh
 from bozzetto_silhouette.appearance.brush_cover import Segments, covered
-from bozzetto_silhouette.appearance.paint_layer import stroked
+from bozzetto_silhouette.appearance.paint_layer import Track, stroked
+from bozzetto_silhouette.appearance.paint_refinement import (
+    MOST_FACES,
+    coarsest,
+    halved,
+    with_middles,
+)
 from bozzetto_silhouette.appearance.vertex_colors import Coat
 from bozzetto_silhouette.model.paint_stroke import BrushLook
 
+FINEST = 0.25
+"""Length of the edges that are left while a stroke is painted, in steps of the mesh."""
+
 
 class Canvas:
-    """A mesh that is painted on, at rest and as it is seen.
+    """A mesh that is painted on, at rest and as it is seen; it gets finer where the stroke ends.
 
     Parameters
     ----------
@@ -22,28 +30,107 @@ class Canvas:
         With the same triangles; `rest` is where strokes lie.
     under, paint : Coat
         Of their vertices: what is below all paint, and the paint before this stroke.
-    detail : float
-        Distance between the vertices, mm.
+    step : float
+        Spacing of the body's mesh, mm.
     """
 
-    def __init__(self, rest: Mesh, seen: Mesh, under: Coat, paint: Coat, detail: float) -> None:
-        self._points = rest.vertices.astype(np.float64)
-        self._normals = rest.vertex_normals().astype(np.float64)
-        self._under, self._paint, self._detail = under, paint, detail
-        self._covered = np.zeros(len(self._points))
+    def __init__(self, rest: Mesh, seen: Mesh, under: Coat, paint: Coat, step: float) -> None:
+        self._faces = rest.faces
+        self._rest = rest.vertices.astype(np.float64), rest.vertex_normals().astype(np.float64)
+        self._is_posed = seen is not rest
+        self._seen = (
+            (seen.vertices.astype(np.float64), seen.vertex_normals().astype(np.float64))
+            if self._is_posed
+            else self._rest
+        )
+        self._under, self._paint, self._step = under, paint, step
+        self._covered = np.zeros(len(self._rest[0]))
         self._colors, self._cover = paint.over(under).bytes()
-        self._seen = seen
+        self._longest = coarsest(self._rest[0], self._faces, step)
+        self._boxes = _boxes_of(self._rest[0], self._faces)
+        self._laid: list[Segments] = []
 
     @property
     def mesh(self) -> Mesh:
         """The mesh as it is painted now."""
-        return replace(self._seen, colors=self._colors.copy(), cover=self._cover.copy())
+        points, normals = (values.astype(np.float32) for values in self._seen)
+        return Mesh(points, self._faces, normals, self._colors.copy(), self._cover.copy())
 
     def lay(self, segments: Segments, look: BrushLook) -> None:
         """Add segments to the stroke, which covers each place once."""
-        index, cover = covered(segments, look.softness, self._points, self._normals, self._detail)
+        self._laid.append(segments)
+        self._refine(segments, look)
+        points, normals = self._rest
+        index, cover = covered(segments, look.softness, points, normals, FINEST * self._step)
         more = cover > self._covered[index]
-        index, cover = index[more], cover[more]
+        self._color(index[more], cover[more], look)
+
+    def _color(self, index: Index, cover: Array, look: BrushLook) -> None:
         self._covered[index] = cover
         coat = stroked(self._paint.at(index), look, cover).over(self._under.at(index))
         self._colors[index], self._cover[index] = coat.bytes()
+
+    def _refine(self, segments: Segments, look: BrushLook) -> None:
+        """Divide the triangles where what is new of the stroke ends."""
+        reach = float(segments.radii.max()) + self._longest
+        low, high = segments.points.min(axis=0) - reach, segments.points.max(axis=0) + reach
+        near = _meets(self._boxes, low, high)
+        faces, kept, count = self._faces[near], self._faces[~near], len(self._rest[0])
+        drawn = Track(segments, look._replace(color=(255, 255, 255), opacity=1.0))
+        detail = self._longest
+        while detail > 1.5 * FINEST * self._step:
+            divided, pair = halved(*self._rest, faces, [drawn], detail)
+            if len(kept) + len(divided) > MOST_FACES:
+                break
+            detail *= 0.5
+            if len(pair):
+                faces = divided
+                self._add(pair)
+        if len(self._rest[0]) > count:
+            self._faces = np.concatenate([kept, faces])
+            boxes = _boxes_of(self._rest[0], faces)
+            self._boxes = np.concatenate([self._boxes[:, ~near], boxes], axis=1)
+            self._color_new(count, look)
+
+    def _add(self, pair: Index) -> None:
+        """Add a vertex between each of some pairs."""
+        self._rest = with_middles(*self._rest, pair)
+        self._seen = with_middles(*self._seen, pair) if self._is_posed else self._rest
+        self._under, self._paint = (
+            coat.joined(Coat(coat.rgb[pair].mean(axis=1), coat.cover[pair].mean(axis=1)))
+            for coat in (self._under, self._paint)
+        )
+
+    def _color_new(self, count: int, look: BrushLook) -> None:
+        """Color the vertices from a number on by all of the stroke so far."""
+        points, normals = (values[count:] for values in self._rest)
+        new = len(points)
+        self._covered = np.concatenate([self._covered, np.zeros(new)])
+        colors, cover = np.zeros((new, 4), np.uint8), np.zeros(new, np.uint8)
+        self._colors = np.concatenate([self._colors, colors])
+        self._cover = np.concatenate([self._cover, cover])
+        share = np.zeros(new)
+        low, high = points.min(axis=0), points.max(axis=0)
+        for laid in self._laid:
+            reach = float(laid.radii.max()) + self._step
+            if (laid.points.min(axis=0) > high + reach).any():
+                continue
+            if (laid.points.max(axis=0) < low - reach).any():
+                continue
+            index, found = covered(laid, look.softness, points, normals, FINEST * self._step)
+            share[index] = np.maximum(share[index], found)
+        self._color(count + np.arange(new), share, look)
+
+
+def _boxes_of(points: Array, faces: Faces) -> Array:
+    """Return the lowest and highest corners of triangles, (2, f, 3)."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)])
+
+
+def _meets(boxes: Array, low: Array, high: Array) -> Flags:
+    lowest, highest = boxes
+    flags = np.ones(len(lowest), bool)
+    for axis in range(3):
+        flags &= (lowest[:, axis] <= high[axis]) & (highest[:, axis] >= low[axis])
+    return flags

@@ -81,30 +81,65 @@ def refined(mesh: Mesh, tracks: Sequence[Track], step: float, finest: float = FI
     points = mesh.vertices.astype(np.float64)
     normals = mesh.vertex_normals().astype(np.float64)
     faces, parents = mesh.faces, []
-    ends, sides = _edges(faces)
-    longest = float(_lengths(points, ends).max(initial=step))
-    detail = step * 2.0 ** np.ceil(np.log2(longest / step))
+    detail = coarsest(points, faces, step)
     while detail > 1.5 * finest * step:
-        long = np.flatnonzero(_lengths(points, ends) > 0.75 * detail)
-        sharp = [_widened(track, detail) for track in tracks if _fade(track) < SOFT * detail]
-        split = long[_changes(sharp, points, normals, ends[long], detail)]
-        if len(faces) + 2 * len(split) > MOST_FACES:
+        divided, pair = halved(points, normals, faces, tracks, detail)
+        if len(divided) > MOST_FACES:
             break
         detail *= 0.5
-        if not len(split):
-            continue
-        marked = np.full(len(ends), -1)
-        marked[split] = len(points) + np.arange(len(split))
-        pair = ends[split]
-        parents.append(pair)
-        points = np.concatenate([points, points[pair].mean(axis=1)])
-        between = normals[pair].sum(axis=1)
-        between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-300)
-        normals = np.concatenate([normals, between])
-        faces = _divided(faces, marked[sides])
-        ends, sides = _edges(faces)
+        if len(pair):
+            faces, points, normals = divided, *with_middles(points, normals, pair)
+            parents.append(pair)
     fine = min(detail, step)
     return Refinement(faces, tuple(parents), paint_at(tracks, points, normals, fine))
+
+
+def coarsest(points: Array, faces: Faces, step: float) -> float:
+    """Return a length to begin to halve edges at: the longest edge, as a power of two of a step."""
+    longest = float(_lengths(points, _edges(faces)[0]).max(initial=step))
+    return float(step * 2.0 ** np.ceil(np.log2(longest / step)))
+
+
+def halved(
+    points: Array, normals: Array, faces: Faces, tracks: Sequence[Track], detail: float
+) -> tuple[Faces, Index]:
+    """Halve the edges of about a length across which the paint changes.
+
+    Parameters
+    ----------
+    points, normals : (v, 3) float array
+        Of the vertices.
+    faces : (f, 3) int32 array
+        All around an edge that may be halved.
+    tracks : sequence of Track
+        The strokes.
+    detail : float
+        The length, mm.
+
+    Returns
+    -------
+    faces : (f, 3) int32 array
+        What comes out; new vertices are counted on from v.
+    pair : (k, 2) int array
+        The two vertices that each new one lies between.
+    """
+    ends, sides = _edges(faces)
+    long = np.flatnonzero(_lengths(points, ends) > 0.75 * detail)
+    sharp = [_widened(track, detail) for track in tracks if _fade(track) < SOFT * detail]
+    split = long[_changes(sharp, points, normals, ends[long], detail)]
+    if not len(split):
+        return faces, np.zeros((0, 2), np.intp)
+    marked = np.full(len(ends), -1)
+    marked[split] = len(points) + np.arange(len(split))
+    return _divided(faces, marked[sides]), ends[split]
+
+
+def with_middles(points: Array, normals: Array, pair: Index) -> tuple[Array, Array]:
+    """Return points and unit normals (v, 3), followed by those between some pairs (k, 2)."""
+    between = normals[pair].sum(axis=1)
+    between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-300)
+    middles = points[pair].mean(axis=1)
+    return np.concatenate([points, middles]), np.concatenate([normals, between])
 
 
 def _lengths(points: Array, ends: Index) -> Array:

@@ -79,7 +79,9 @@ def _painted(
         raise UserError(NOTHING_YET)
     painted = state
     for stroke in strokes:
-        marks = _marks_of(stroke, 0, surface, state, context)
+        marks, *images = _marks_of(stroke, 0, surface, state, context)
+        for image in images:
+            marks = marks.followed_by(image)
         if len(marks.points):
             painted = with_marks(painted, surface.body, marks, _look(painted, color))
     if painted is state:
@@ -96,13 +98,13 @@ def _look(state: SilhouetteState, color: tuple[int, int, int] | None) -> BrushLo
 
 def _marks_of(
     stroke: Stroke, first: int, surface: BrushSurface, state: SilhouetteState, context: Context
-) -> Marks:
-    """Return what a stroke leaves from one of its samples on, with its mirror image if wanted."""
+) -> list[Marks]:
+    """Return what a stroke leaves from one of its samples on, and its mirror image if wanted."""
     pixels, radii = path_of(stroke, state.brush_size, first)
     marks = marks_under(surface, pixels, radii, stroke.camera)
     if not state.mirrored or not len(marks.points):
-        return marks
-    return marks.followed_by(mirrored_marks(marks, surface, state, context))
+        return [marks]
+    return [marks, mirrored_marks(marks, surface, state, context)]
 
 
 class BrushPreview(Preview[SilhouetteState]):
@@ -130,13 +132,14 @@ class BrushPreview(Preview[SilhouetteState]):
         if surface is None or canvas is None:
             return Scene()
         color = None if gesture.erases else self.state.paint
-        marks = _marks_of(stroke, max(self._done - 1, 0), surface, self.state, self.context)
+        new = max(self._done - 1, 0)
+        for marks in _marks_of(stroke, new, surface, self.state, self.context):
+            if len(marks.points):
+                canvas.lay(
+                    Segments.through(marks.points, marks.normals, marks.radii, marks.joined),
+                    _look(self.state, color),
+                )
         self._done = len(stroke)
-        if len(marks.points):
-            canvas.lay(
-                Segments.through(marks.points, marks.normals, marks.radii, marks.joined),
-                _look(self.state, color),
-            )
         return Scene((Layer("shape", (Shaded(canvas.mesh, pickable=False),)),))
 
     def _start(self) -> None:
