@@ -48,6 +48,7 @@ class Canvas:
         self._colors, self._cover = paint.over(under).bytes()
         self._longest = coarsest(self._rest[0], self._faces, step)
         self._boxes = _boxes_of(self._rest[0], self._faces)
+        self._lengths = _longest_edges(self._rest[0], self._faces)
         self._laid: list[Segments] = []
 
     @property
@@ -72,25 +73,35 @@ class Canvas:
 
     def _refine(self, segments: Segments, look: BrushLook) -> None:
         """Divide the triangles where what is new of the stroke ends."""
-        reach = float(segments.radii.max()) + self._longest
-        low, high = segments.points.min(axis=0) - reach, segments.points.max(axis=0) + reach
-        near = _meets(self._boxes, low, high)
-        faces, kept, count = self._faces[near], self._faces[~near], len(self._rest[0])
+        count = len(self._rest[0])
         drawn = Track(segments, look._replace(color=(255, 255, 255), opacity=1.0))
+        low, high = segments.points.min(axis=0), segments.points.max(axis=0)
         detail = self._longest
         while detail > 1.5 * FINEST * self._step:
-            divided, pair = halved(*self._rest, faces, [drawn], detail)
-            if len(kept) + len(divided) > MOST_FACES:
+            # Who shares an edge of this length has one.
+            reach = float(segments.radii.max()) + detail
+            beside = _meets(self._boxes, low - reach, high + reach)
+            near = np.flatnonzero(beside & (self._lengths > 0.75 * detail))
+            faces, pair = halved(*self._rest, self._faces[near], [drawn], detail)
+            if len(self._faces) + len(faces) - len(near) > MOST_FACES:
                 break
             detail *= 0.5
             if len(pair):
-                faces = divided
                 self._add(pair)
+                self._replace_faces(near, faces)
         if len(self._rest[0]) > count:
-            self._faces = np.concatenate([kept, faces])
-            boxes = _boxes_of(self._rest[0], faces)
-            self._boxes = np.concatenate([self._boxes[:, ~near], boxes], axis=1)
             self._color_new(count, look)
+
+    def _replace_faces(self, old: Index, new: Faces) -> None:
+        """Put other triangles in the place of some, and at the end."""
+        boxes, lengths = _boxes_of(self._rest[0], new), _longest_edges(self._rest[0], new)
+        first, more = new[: len(old)], new[len(old) :]
+        self._faces = np.concatenate([self._faces, more])
+        self._faces[old] = first
+        self._boxes = np.concatenate([self._boxes, boxes[..., len(old) :]], axis=2)
+        self._boxes[..., old] = boxes[..., : len(old)]
+        self._lengths = np.concatenate([self._lengths, lengths[len(old) :]])
+        self._lengths[old] = lengths[: len(old)]
 
     def _add(self, pair: Index) -> None:
         """Add a vertex between each of some pairs."""
@@ -122,15 +133,22 @@ class Canvas:
         self._color(count + np.arange(new), share, look)
 
 
+def _longest_edges(points: Array, faces: Faces) -> Array:
+    """Return the length of the longest side of triangles, (f,)."""
+    corners = points[faces]
+    sides = np.roll(corners, -1, axis=1) - corners
+    return np.asarray(np.sqrt(np.einsum("fkd,fkd->fk", sides, sides)).max(axis=1))
+
+
 def _boxes_of(points: Array, faces: Faces) -> Array:
-    """Return the lowest and highest corners of triangles, (2, f, 3)."""
-    a, b, c = (points[faces[:, k]] for k in range(3))
+    """Return the lowest and highest corners of triangles, (2, 3, f)."""
+    a, b, c = (np.ascontiguousarray(points[faces[:, k]].T) for k in range(3))
     return np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)])
 
 
 def _meets(boxes: Array, low: Array, high: Array) -> Flags:
     lowest, highest = boxes
-    flags = np.ones(len(lowest), bool)
+    flags = np.ones(lowest.shape[1], bool)
     for axis in range(3):
-        flags &= (lowest[:, axis] <= high[axis]) & (highest[:, axis] >= low[axis])
+        flags &= (lowest[axis] <= high[axis]) & (highest[axis] >= low[axis])
     return flags
