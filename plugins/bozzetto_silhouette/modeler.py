@@ -25,6 +25,7 @@ from bozzetto.plugin import (
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
+from bozzetto_silhouette.appearance.paint_layer import lost_paint, paint_facts
 from bozzetto_silhouette.appearance.part_groups import with_groups
 from bozzetto_silhouette.appearance.surface_look import (
     finely_shown,
@@ -222,12 +223,16 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
             state, result.body, result.solids, job, lambda: offers_to_attach(state, job)
         )
         rig = None if result.body is None else rig_of(state)
+        paint = None if result.body is None else paint_facts(state, result.body)
+        if paint is not None:
+            figures = {**figures, "paint": paint}
         return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 
     @override
     def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
-        """Return cautions about strokes that are not in the shape, and about a coarser shape."""
-        return cautions_of(state, result.body)
+        """Return cautions about strokes that are not in the shape or on it, and a coarser shape."""
+        lost = () if result.body is None else lost_paint(state, result.body)
+        return (*cautions_of(state, result.body), *lost)
 
     # -- parts --
 

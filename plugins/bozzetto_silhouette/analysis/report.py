@@ -11,7 +11,6 @@ import numpy as np
 from bozzetto.plugin import Caution, Job, remembered
 from bozzetto.scene import Walls, walls_of
 from bozzetto_silhouette.analysis.fidelity import Fidelity, area_of, measure
-from bozzetto_silhouette.appearance.paint_layer import laid_strokes, lost_strokes
 from bozzetto_silhouette.inflation.manifold_check import topology_of
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.ink.rings_from_strokes import specks
@@ -95,12 +94,6 @@ def report_of(
     if len(parts) == 1:
         parts[0].pop("name")
     report["parts"] = parts
-    strokes = len(laid_strokes(state))
-    if strokes and body is not None:
-        lost = lost_strokes(state, body)
-        report["paint"] = {"strokes": strokes, "off_surface": lost}
-        if lost:
-            warnings.append(_lost(lost))
     if warnings:
         report["warnings"] = warnings
     return report
@@ -117,9 +110,6 @@ def cautions_of(state: SilhouetteState, body: Body | None) -> tuple[Caution, ...
         The whole shape; None where nothing is left.
     """
     found = [] if body is None or not body.resampled else [Caution(RESAMPLED)]
-    lost = 0 if body is None else lost_strokes(state, body)
-    if lost:
-        found.append(Caution(_lost(lost)))
     for part in shown_parts(state):
         unused = specks(points_on_sheet(tuple(part.strokes), part.sheet)) if part.strokes else 0
         if unused:
@@ -203,15 +193,6 @@ def _print_problems(whole: dict[str, Any]) -> list[str]:
             f"{PRINTABLE_DETAIL} mm. Make it larger."
         )
     return found
-
-
-def _lost(count: int) -> str:
-    """Return what is said of strokes of paint under which the surface is gone."""
-    lie = "lies" if count == 1 else "lie"
-    return (
-        f"{_counted(count, 'stroke')} of paint {lie} on nothing now, in whole or in part. Paint is "
-        "kept and comes back with the surface; undo, or rub it out where it still shows."
-    )
 
 
 def _counted(count: int, word: str) -> str:

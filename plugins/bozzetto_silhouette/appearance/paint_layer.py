@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags
-from bozzetto.geometry import Mesh, Placement
-from bozzetto.geometry.mesh_places import alike, closest_on_mesh, face_normals
-from bozzetto.plugin import remembered
+from bozzetto.geometry import Mesh, Placement, closest_on_mesh, face_normals
+from bozzetto.plugin import Caution, remembered
 from bozzetto_silhouette.appearance.brush_cover import Segments, covered
 from bozzetto_silhouette.appearance.vertex_colors import Coat, bare
 from bozzetto_silhouette.model.paint_stroke import BrushLook, PaintStroke
@@ -33,6 +32,12 @@ DEEPER = 2.0
 
 TORN = 3.0
 """How much farther apart than before two neighbours may come to lie and still be joined."""
+
+ALIKE = 0.5
+"""Cosine of the angle between two normals from which they face the same way, 60°."""
+
+TOLD = 0.1
+"""Share of a stroke's places off the surface from which it is told."""
 
 
 class Laid(NamedTuple):
@@ -67,6 +72,11 @@ class Track(NamedTuple):
 
 Group = tuple[Laid, ...]
 """The pieces of one stroke."""
+
+
+def faces_alike(one: Array, other: Array) -> Flags:
+    """Return which of two rows of unit normals (n, 3) face the same way."""
+    return np.asarray(np.einsum("nd,nd->n", one, other) >= ALIKE)
 
 
 def depth_of(part: Part) -> float:
@@ -129,12 +139,32 @@ def tracks_of(groups: Sequence[Group], body: Body | None) -> list[Track]:
 
 
 def lost_strokes(state: SilhouetteState, body: Body) -> int:
-    """Count the strokes of paint that lie, in whole or for a tenth at least, on nothing now."""
+    """Count the strokes of paint of which a tenth at least lies on nothing now."""
     count = 0
     for group in laid_strokes(state):
         kept = np.concatenate([_settled(laid, body).kept for laid in group])
-        count += bool((~kept).mean() >= 0.1)
+        count += bool((~kept).mean() >= TOLD)
     return count
+
+
+def paint_facts(state: SilhouetteState, body: Body) -> dict[str, int] | None:
+    """Return how many strokes of paint there are, and off the surface; None without any."""
+    strokes = len(laid_strokes(state))
+    return {"strokes": strokes, "off_surface": lost_strokes(state, body)} if strokes else None
+
+
+def lost_paint(state: SilhouetteState, body: Body) -> tuple[Caution, ...]:
+    """Return a caution about strokes of paint under which the surface is gone, if there are any."""
+    count = lost_strokes(state, body)
+    if not count:
+        return ()
+    strokes = "1 stroke of paint lies" if count == 1 else f"{count} strokes of paint lie"
+    return (
+        Caution(
+            f"{strokes} on nothing now, in whole or in part. Paint is kept and comes back with "
+            "the surface; undo, or rub it out where it still shows."
+        ),
+    )
 
 
 def painted_over(layer: Coat, track: Track, points: Array, normals: Array, detail: float) -> Coat:
@@ -240,7 +270,7 @@ def _settled(laid: Laid, body: Body) -> _Places:
     along = np.einsum("nd,nd->n", away, normals)
     aside = np.linalg.norm(away - along[:, None] * normals, axis=1)
     kept = (
-        alike(normals, face_normals(mesh, found.faces))
+        faces_alike(normals, face_normals(mesh, found.faces))
         & (aside <= ASIDE * (radii + body.step))
         & (np.abs(along) <= np.maximum(DEEPER * radii, body.radius))
     )

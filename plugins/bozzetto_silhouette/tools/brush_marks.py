@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
-from bozzetto.geometry import Mesh
-from bozzetto.geometry.mesh_places import alike, closest_on_mesh, face_normals, mesh_points
+from bozzetto.geometry import Mesh, closest_on_mesh, face_normals, mesh_points
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, remembered
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays, depth_breaks
 from bozzetto.view import Camera
-from bozzetto_silhouette.appearance.paint_layer import stroke_in_frame
+from bozzetto_silhouette.appearance.paint_layer import faces_alike, stroke_in_frame
 from bozzetto_silhouette.model.paint_stroke import BrushLook
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.rigging.posing import bent
@@ -206,7 +205,7 @@ def mirrored_marks(
     if not has_image.any():
         return marks.taken(np.zeros(0, np.intp))
     found = closest_on_mesh(surface.rest, points, normals)
-    lies = alike(normals, face_normals(surface.rest, found.faces))
+    lies = faces_alike(normals, face_normals(surface.rest, found.faces))
     kept = np.flatnonzero(has_image & lies & (found.distances <= marks.radii + surface.body.step))
     corner = surface.body.faces[found.faces, found.weights.argmax(axis=1)]
     sources = surface.body.origins[corner].astype(np.intp)
