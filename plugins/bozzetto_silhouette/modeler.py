@@ -303,7 +303,7 @@ def _as_posed(state: SilhouetteState, body: Body, job: Job) -> Posed:
         posed = skinned(state, body, look, job.checkpoint)
     else:
         posed = Posed(*look, None)
-    fine = paint_edges(state, body) if job.quality == "final" else None
+    fine = paint_edges(state, body, job.checkpoint) if job.quality == "final" else None
     if fine is None:
         return posed
     return posed._replace(shown=finely_shown(state, body, fine, posed.shown))

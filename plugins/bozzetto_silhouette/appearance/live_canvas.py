@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from bozzetto.arrays import Array, Faces, Flags, Index
+from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Mesh
 from bozzetto_silhouette.appearance.brush_cover import Segments, covered
 from bozzetto_silhouette.appearance.paint_layer import Track, stroked
 from bozzetto_silhouette.appearance.paint_refinement import (
     MOST_FACES,
+    boxes_of,
     coarsest,
     halved,
+    meets,
     with_middles,
+    with_mixed,
 )
 from bozzetto_silhouette.appearance.vertex_colors import Coat
 from bozzetto_silhouette.model.paint_stroke import BrushLook
@@ -47,7 +50,7 @@ class Canvas:
         self._covered = np.zeros(len(self._rest[0]))
         self._colors, self._cover = paint.over(under).bytes()
         self._longest = coarsest(self._rest[0], self._faces, step)
-        self._boxes = _boxes_of(self._rest[0], self._faces)
+        self._boxes = boxes_of(self._rest[0], self._faces)
         self._lengths = _longest_edges(self._rest[0], self._faces)
         self._laid: list[Segments] = []
 
@@ -80,7 +83,7 @@ class Canvas:
         while detail > 1.5 * FINEST * self._step:
             # Who shares an edge of this length has one.
             reach = float(segments.radii.max()) + detail
-            beside = _meets(self._boxes, low - reach, high + reach)
+            beside = meets(self._boxes, low - reach, high + reach)
             near = np.flatnonzero(beside & (self._lengths > 0.75 * detail))
             faces, pair = halved(*self._rest, self._faces[near], [drawn], detail)
             if len(self._faces) + len(faces) - len(near) > MOST_FACES:
@@ -94,7 +97,7 @@ class Canvas:
 
     def _replace_faces(self, old: Index, new: Faces) -> None:
         """Put other triangles in the place of some, and at the end."""
-        boxes, lengths = _boxes_of(self._rest[0], new), _longest_edges(self._rest[0], new)
+        boxes, lengths = boxes_of(self._rest[0], new), _longest_edges(self._rest[0], new)
         first, more = new[: len(old)], new[len(old) :]
         self._faces = np.concatenate([self._faces, more])
         self._faces[old] = first
@@ -107,10 +110,7 @@ class Canvas:
         """Add a vertex between each of some pairs."""
         self._rest = with_middles(*self._rest, pair)
         self._seen = with_middles(*self._seen, pair) if self._is_posed else self._rest
-        self._under, self._paint = (
-            coat.joined(Coat(coat.rgb[pair].mean(axis=1), coat.cover[pair].mean(axis=1)))
-            for coat in (self._under, self._paint)
-        )
+        self._under, self._paint = (with_mixed(coat, pair) for coat in (self._under, self._paint))
 
     def _color_new(self, count: int, look: BrushLook) -> None:
         """Color the vertices from a number on by all of the stroke so far."""
@@ -138,17 +138,3 @@ def _longest_edges(points: Array, faces: Faces) -> Array:
     corners = points[faces]
     sides = np.roll(corners, -1, axis=1) - corners
     return np.asarray(np.sqrt(np.einsum("fkd,fkd->fk", sides, sides)).max(axis=1))
-
-
-def _boxes_of(points: Array, faces: Faces) -> Array:
-    """Return the lowest and highest corners of triangles, (2, 3, f)."""
-    a, b, c = (np.ascontiguousarray(points[faces[:, k]].T) for k in range(3))
-    return np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)])
-
-
-def _meets(boxes: Array, low: Array, high: Array) -> Flags:
-    lowest, highest = boxes
-    flags = np.ones(lowest.shape[1], bool)
-    for axis in range(3):
-        flags &= (lowest[axis] <= high[axis]) & (highest[axis] >= low[axis])
-    return flags

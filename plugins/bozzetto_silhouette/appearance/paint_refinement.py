@@ -13,8 +13,8 @@ import numpy as np
 
 from bozzetto.arrays import Array, Faces, Flags, Index
 from bozzetto.geometry import Mesh
-from bozzetto_silhouette.appearance.paint_layer import Track, paint_at
-from bozzetto_silhouette.appearance.vertex_colors import CONTRAST, Coat
+from bozzetto_silhouette.appearance.paint_layer import Track, paint_at, painted_over
+from bozzetto_silhouette.appearance.vertex_colors import CONTRAST, Coat, bare
 
 FINEST = 0.125
 """Length of the edges that are left, in steps of the mesh: of a step that is seen as 8 px one."""
@@ -33,22 +33,37 @@ class Refinement:
 
     Attributes
     ----------
+    points, normals : (n, 3) float array
+        Of all vertices at rest, those of the mesh first.
     faces : (f, 3) int32 array
     parents : tuple of (k, 2) int array
-        Level by level, the two vertices that each new one lies between.
+        Step by step, the two vertices that each new one lies between.
     paint : Coat
-        Of all vertices, those of the mesh first.
+        Of all vertices.
     """
 
+    points: Array
+    normals: Array
     faces: Faces
     parents: tuple[Index, ...]
     paint: Coat
 
+    @classmethod
+    def of(cls, mesh: Mesh) -> Refinement:
+        """Return a mesh as it is, without paint."""
+        points = mesh.vertices.astype(np.float64)
+        normals = mesh.vertex_normals().astype(np.float64)
+        return cls(points, normals, mesh.faces, (), bare(len(points)))
+
     def spread(self, values: Array) -> Array:
         """Return values at the vertices of the mesh, (v, d), at all vertices."""
+        whole = np.empty((len(self.points), values.shape[1]))
+        whole[: len(values)] = values
+        filled = len(values)
         for pair in self.parents:
-            values = np.concatenate([values, 0.5 * (values[pair[:, 0]] + values[pair[:, 1]])])
-        return values
+            whole[filled : filled + len(pair)] = whole[pair].mean(axis=1)
+            filled += len(pair)
+        return whole
 
     def applied(self, mesh: Mesh) -> Mesh:
         """Divide a mesh with the same triangles, wherever its vertices are; without colours."""
@@ -64,34 +79,59 @@ class Refinement:
         )
 
 
-def refined(mesh: Mesh, tracks: Sequence[Track], step: float, finest: float = FINEST) -> Refinement:
-    """Divide the triangles of a mesh where paint ends.
+def refined(fine: Refinement, track: Track, step: float, finest: float = FINEST) -> Refinement:
+    """Lay one more stroke on a mesh, whose triangles are divided where it ends.
 
     Parameters
     ----------
-    mesh : Mesh
-        At rest.
-    tracks : sequence of Track
-        The strokes on it.
+    fine : Refinement
+        The mesh with the strokes before.
+    track : Track
+        The stroke.
     step : float
         Spacing of the mesh, mm; a few edges may be much longer.
     finest : float
-        Length of the edges that are left where paint ends, in steps.
+        Length of the edges that are left where the paint ends, in steps.
     """
-    points = mesh.vertices.astype(np.float64)
-    normals = mesh.vertex_normals().astype(np.float64)
-    faces, parents = mesh.faces, []
-    detail = coarsest(points, faces, step)
+    points, normals, faces, parents = fine.points, fine.normals, fine.faces, list(fine.parents)
+    paint, segments = fine.paint, track.segments
+    drawn = track._replace(look=track.look._replace(color=(255, 255, 255), opacity=1.0))
+    detail = coarsest(points, faces, step) if len(segments.ends) else 0.0
     while detail > 1.5 * finest * step:
-        divided, pair = halved(points, normals, faces, tracks, detail)
-        if len(divided) > MOST_FACES:
+        reach = float(segments.radii.max()) + detail
+        low, high = segments.points.min(axis=0) - reach, segments.points.max(axis=0) + reach
+        near = meets(boxes_of(points, faces), low, high)
+        divided, pair = halved(points, normals, faces[near], [drawn], detail)
+        if len(faces) - int(near.sum()) + len(divided) > MOST_FACES:
             break
         detail *= 0.5
         if len(pair):
-            faces, points, normals = divided, *with_middles(points, normals, pair)
+            faces = np.concatenate([faces[~near], divided])
+            points, normals = with_middles(points, normals, pair)
+            paint = with_mixed(paint, pair)
             parents.append(pair)
-    fine = min(detail, step)
-    return Refinement(faces, tuple(parents), paint_at(tracks, points, normals, fine))
+    paint = painted_over(paint, track, points, normals, finest * step)
+    return Refinement(points, normals, faces, tuple(parents), paint)
+
+
+def with_mixed(coat: Coat, pair: Index) -> Coat:
+    """Return a coat (v,), followed by what lies between some pairs of it (k, 2)."""
+    return coat.joined(Coat(coat.rgb[pair].mean(axis=1), coat.cover[pair].mean(axis=1)))
+
+
+def boxes_of(points: Array, faces: Faces) -> Array:
+    """Return the lowest and highest corners of triangles, (2, 3, f)."""
+    a, b, c = (np.ascontiguousarray(points[faces[:, k]].T) for k in range(3))
+    return np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)])
+
+
+def meets(boxes: Array, low: Array, high: Array) -> Flags:
+    """Return which boxes (2, 3, f) meet that between two corners."""
+    lowest, highest = boxes
+    flags = np.ones(lowest.shape[1], bool)
+    for axis in range(3):
+        flags &= (lowest[axis] <= high[axis]) & (highest[axis] >= low[axis])
+    return flags
 
 
 def coarsest(points: Array, faces: Faces, step: float) -> float:

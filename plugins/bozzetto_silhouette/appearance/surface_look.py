@@ -105,15 +105,25 @@ def ground_of(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignor
     return Ground(plain, shown, whole, shown_coat)
 
 
-def paint_edges(state: SilhouetteState, body: Body) -> Refinement | None:
+def paint_edges(
+    state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore
+) -> Refinement | None:
     """Return finer triangles for the shown mesh where strokes of paint end; None without any."""
     strokes = laid_strokes(state)
-    return _refined(strokes, ground_of(state, body).shown, body) if strokes else None
+    return _refined(strokes, ground_of(state, body).shown, body, checkpoint) if strokes else None
 
 
-@remembered(limit=4, key=lambda strokes, shown, body: (strokes, shown))
-def _refined(strokes: tuple[Group, ...], shown: Mesh, body: Body) -> Refinement:
-    return refined(shown, tracks_of(strokes, body), body.step)
+# Stroke by stroke, so that one more takes no longer than the first.
+@remembered(limit=4, key=lambda strokes, shown, body, checkpoint: (strokes, shown))
+def _refined(
+    strokes: tuple[Group, ...], shown: Mesh, body: Body, checkpoint: Checkpoint
+) -> Refinement:
+    known = _refined.known(strokes[:-1], shown, body, checkpoint) if len(strokes) > 1 else None
+    fine = Refinement.of(shown) if known is None else known
+    for track in tracks_of(strokes if known is None else strokes[-1:], body):
+        checkpoint(1.0, "paint")
+        fine = refined(fine, track, body.step)
+    return fine
 
 
 def finely_shown(state: SilhouetteState, body: Body, fine: Refinement, shown: Mesh) -> Mesh:
@@ -136,7 +146,9 @@ def canvas_of(state: SilhouetteState, body: Body, seen: Callable[[Mesh], Mesh]) 
         Gives a mesh of the body, vertex for vertex, as its joints are turned.
     """
     strokes, ground = laid_strokes(state), ground_of(state, body)
-    fine = _refined.known(strokes, ground.shown, body) if ground.shown is ground.mesh else None
+    fine = (
+        _refined.known(strokes, ground.shown, body, ignore) if ground.shown is ground.mesh else None
+    )
     under = bare(len(ground.mesh.vertices)) if ground.coat is None else ground.coat
     if fine is None:
         paint = paint_on_mesh(strokes, ground.mesh, body, body.step)

@@ -26,7 +26,7 @@ from bozzetto_silhouette.appearance.paint_layer import (
     paint_at,
     tracks_of,
 )
-from bozzetto_silhouette.appearance.paint_refinement import refined
+from bozzetto_silhouette.appearance.paint_refinement import Refinement, refined
 from bozzetto_silhouette.appearance.surface_look import painted, texture_of
 from bozzetto_silhouette.appearance.texture_baking import LEAST
 from bozzetto_silhouette.appearance.vertex_colors import Coat
@@ -454,7 +454,9 @@ def test_finer_triangles_leave_the_surface_closed_and_as_it_is():
     body = body_of(state)
     mesh = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
     tracks = tracks_of(laid_strokes(state), body)
-    fine = refined(mesh, tracks, body.step)
+    fine = Refinement.of(mesh)
+    for track in tracks:
+        fine = refined(fine, track, body.step)
     whole = fine.applied(mesh)
     assert len(fine.faces) > len(mesh.faces)
     sides = np.sort(np.stack([fine.faces, np.roll(fine.faces, -1, 1)], 2).reshape(-1, 2), axis=1)
@@ -573,7 +575,8 @@ def test_hundreds_of_long_strokes_stay_live_and_small():
         steps = 1.5 * np.column_stack([np.cos(turns), np.sin(turns)])
         walk = np.abs((np.cumsum(steps, axis=0) + random.uniform(0, 300, 2)) % 600 - 300)
         place = walk + np.array([450.0, 300.0])
-        stroke = Stroke(place[:, 0], place[:, 1], FRONT, pressure=random.uniform(0, 1, 2000))
+        pressure = 0.5 + 0.4 * np.sin(np.linspace(0.0, random.uniform(5.0, 60.0), 2000))
+        stroke = Stroke(place[:, 0], place[:, 1], FRONT, pressure=pressure)
         state = brushed(state, stroke)
     (part,) = state.parts
     size = sum(
