@@ -13,6 +13,7 @@ from bozzetto_silhouette.appearance.paint_refinement import (
     boxes_of,
     coarsest,
     halved,
+    longest_edges,
     meets,
     with_middles,
     with_mixed,
@@ -51,7 +52,7 @@ class Canvas:
         self._colors, self._cover = paint.over(under).bytes()
         self._longest = coarsest(self._rest[0], self._faces, step)
         self._boxes = boxes_of(self._rest[0], self._faces)
-        self._lengths = _longest_edges(self._rest[0], self._faces)
+        self._lengths = longest_edges(self._rest[0], self._faces)
         self._laid: list[Segments] = []
 
     @property
@@ -97,7 +98,7 @@ class Canvas:
 
     def _replace_faces(self, old: Index, new: Faces) -> None:
         """Put other triangles in the place of some, and at the end."""
-        boxes, lengths = boxes_of(self._rest[0], new), _longest_edges(self._rest[0], new)
+        boxes, lengths = boxes_of(self._rest[0], new), longest_edges(self._rest[0], new)
         first, more = new[: len(old)], new[len(old) :]
         self._faces = np.concatenate([self._faces, more])
         self._faces[old] = first
@@ -131,10 +132,3 @@ class Canvas:
             index, found = covered(laid, look.softness, points, normals, FINEST * self._step)
             share[index] = np.maximum(share[index], found)
         self._color(count + np.arange(new), share, look)
-
-
-def _longest_edges(points: Array, faces: Faces) -> Array:
-    """Return the length of the longest side of triangles, (f,)."""
-    corners = points[faces]
-    sides = np.roll(corners, -1, axis=1) - corners
-    return np.asarray(np.sqrt(np.einsum("fkd,fkd->fk", sides, sides)).max(axis=1))

@@ -22,6 +22,9 @@ FINEST = 0.125
 MOST_FACES = 200_000
 """Triangles that are shown at most: a further level that would make more is left out."""
 
+FULL = 0.9
+"""Share of these triangles from which no more are made: the next level would not fit."""
+
 SOFT = 4.0
 """Width of an edge that fades, in edges of the mesh, from which these show it: what lies straight
 between two vertices is then less than 12 of 255 off."""
@@ -96,11 +99,14 @@ def refined(fine: Refinement, track: Track, step: float, finest: float = FINEST)
     points, normals, faces, parents = fine.points, fine.normals, fine.faces, list(fine.parents)
     paint, segments = fine.paint, track.segments
     drawn = track._replace(look=track.look._replace(color=(255, 255, 255), opacity=1.0))
-    detail = coarsest(points, faces, step) if len(segments.ends) else 0.0
+    has_room = len(faces) < FULL * MOST_FACES
+    detail = coarsest(points, faces, step) if has_room and len(segments.ends) else 0.0
     while detail > 1.5 * finest * step:
         reach = float(segments.radii.max()) + detail
         low, high = segments.points.min(axis=0) - reach, segments.points.max(axis=0) + reach
+        # Who shares an edge of this length has one.
         near = meets(boxes_of(points, faces), low, high)
+        near[near] = longest_edges(points, faces[near]) > 0.75 * detail
         divided, pair = halved(points, normals, faces[near], [drawn], detail)
         if len(faces) - int(near.sum()) + len(divided) > MOST_FACES:
             break
@@ -117,6 +123,13 @@ def refined(fine: Refinement, track: Track, step: float, finest: float = FINEST)
 def with_mixed(coat: Coat, pair: Index) -> Coat:
     """Return a coat (v,), followed by what lies between some pairs of it (k, 2)."""
     return coat.joined(Coat(coat.rgb[pair].mean(axis=1), coat.cover[pair].mean(axis=1)))
+
+
+def longest_edges(points: Array, faces: Faces) -> Array:
+    """Return the length of the longest side of triangles, (f,)."""
+    corners = points[faces]
+    sides = np.roll(corners, -1, axis=1) - corners
+    return np.asarray(np.sqrt(np.einsum("fkd,fkd->fk", sides, sides)).max(axis=1, initial=0.0))
 
 
 def boxes_of(points: Array, faces: Faces) -> Array:
@@ -136,7 +149,7 @@ def meets(boxes: Array, low: Array, high: Array) -> Flags:
 
 def coarsest(points: Array, faces: Faces, step: float) -> float:
     """Return a length to begin to halve edges at: the longest edge, as a power of two of a step."""
-    longest = float(_lengths(points, _edges(faces)[0]).max(initial=step))
+    longest = float(longest_edges(points, faces).max(initial=step))
     return float(step * 2.0 ** np.ceil(np.log2(longest / step)))
 
 

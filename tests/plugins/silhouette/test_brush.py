@@ -572,7 +572,7 @@ def test_hundreds_of_long_strokes_stay_live_and_small():
     state = ball(resolution=128, brush_size=8.0)
     for _ in range(200):
         turns = np.cumsum(random.normal(0.0, 0.06, 2000))
-        steps = 1.5 * np.column_stack([np.cos(turns), np.sin(turns)])
+        steps = 0.4 * np.column_stack([np.cos(turns), np.sin(turns)])
         walk = np.abs((np.cumsum(steps, axis=0) + random.uniform(0, 300, 2)) % 600 - 300)
         place = walk + np.array([450.0, 300.0])
         pressure = 0.5 + 0.4 * np.sin(np.linspace(0.0, random.uniform(5.0, 60.0), 2000))
