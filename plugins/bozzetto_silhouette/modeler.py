@@ -164,7 +164,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
             return SilhouetteResult(None, None, None, None, final, solids)
         if final:
             _united.put(_United(body, solids), state)
-        return SilhouetteResult(body, *_as_posed(state, body, job), final, solids)
+        return SilhouetteResult(body, *_as_posed(state, body, job, fine=final), final, solids)
 
     @override
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
@@ -281,13 +281,13 @@ def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteRes
     known = _united.known(state) if posed or has_paint else None
     if known is not None:
         return SilhouetteResult(
-            known.body, *_as_posed(state, known.body, job), False, known.solids
+            known.body, *_as_posed(state, known.body, job, fine=not posed), False, known.solids
         )  # fmt: skip
     draft, solids = draft_of(state, resolution, job.checkpoint)
     if draft is None:
         return SilhouetteResult(None, None, None, None, False, solids)
     if draft.body.solid is not None:  # one part by itself
-        moved = _as_posed(state, draft.body, job)
+        moved = _as_posed(state, draft.body, job, fine=False)
     else:
         mesh = sketched(state, draft, job.checkpoint)
         if posed:
@@ -296,17 +296,20 @@ def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteRes
     return SilhouetteResult(draft.body, *moved, False, solids)
 
 
-def _as_posed(state: SilhouetteState, body: Body, job: Job) -> Posed:
-    """Return a body's meshes with their colours, as its joints were turned."""
+def _as_posed(state: SilhouetteState, body: Body, job: Job, *, fine: bool) -> Posed:
+    """Return a body's meshes with their colours, as its joints were turned.
+
+    With `fine` what is shown has finer triangles where strokes of paint end.
+    """
     look = painted(state, body, job.checkpoint)
     if state.posing or state.turns:
         posed = skinned(state, body, look, job.checkpoint)
     else:
         posed = Posed(*look, None)
-    fine = paint_edges(state, body, job.checkpoint) if job.quality == "final" else None
-    if fine is None:
+    edges = paint_edges(state, body, job.checkpoint) if fine else None
+    if edges is None:
         return posed
-    return posed._replace(shown=finely_shown(state, body, fine, posed.shown))
+    return posed._replace(shown=finely_shown(state, body, edges, posed.shown))
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:

@@ -146,15 +146,24 @@ def canvas_of(state: SilhouetteState, body: Body, seen: Callable[[Mesh], Mesh]) 
         Gives a mesh of the body, vertex for vertex, as its joints are turned.
     """
     strokes, ground = laid_strokes(state), ground_of(state, body)
-    fine = (
-        _refined.known(strokes, ground.shown, body, ignore) if ground.shown is ground.mesh else None
-    )
+    fine = _soon(strokes, ground, body)
     under = bare(len(ground.mesh.vertices)) if ground.coat is None else ground.coat
     if fine is None:
         paint = paint_on_mesh(strokes, ground.mesh, body, body.step)
         return Canvas(ground.mesh, seen(ground.mesh), under, paint, body.step)
     rest, there = fine.applied(ground.mesh), fine.applied(seen(ground.mesh))
     return Canvas(rest, there, _spread(fine, under), fine.paint, body.step)
+
+
+def _soon(strokes: tuple[Group, ...], ground: Ground, body: Body) -> Refinement | None:
+    """Return the finer triangles of strokes, if at most the last one is to be worked out."""
+    if not strokes or ground.shown is not ground.mesh:
+        return None
+    asked = (strokes,) if len(strokes) == 1 else (strokes, strokes[:-1])
+    known = [_refined.known(some, ground.shown, body, ignore) for some in asked]
+    if len(strokes) > 1 and all(fine is None for fine in known):
+        return None
+    return _refined(strokes, ground.shown, body, ignore)
 
 
 def _spread(fine: Refinement, coat: Coat) -> Coat:
