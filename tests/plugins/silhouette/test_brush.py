@@ -11,6 +11,7 @@ import pytest
 
 from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.errors import UserError
+from bozzetto.exchange.export import export
 from bozzetto.exchange.ink.ink_json import write_drawing
 from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Stroke, Strokes
@@ -40,6 +41,7 @@ from bozzetto_silhouette.tools import DrawOutline
 from bozzetto_silhouette.tools.brush import Brush
 from bozzetto_silhouette.tools.mirror import MirrorCopy
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
+from tests.blender import asked
 
 FRONT = Camera("orthographic", (0.0, -500.0, 0.0), (0.0, 0.0, 0.0), height=300.0)
 PEN, BRUSH, CONTEXT, MODELER = Pen(FRONT), Brush(), Context(camera=FRONT), Silhouette()
@@ -617,3 +619,39 @@ def test_odd_strokes_paint_something_sound(stroke):
     assert 0.0 <= paint.cover.min() <= paint.cover.max() <= 1.0 + 1e-9
     result = MODELER.solve(state, Job())
     assert result.shown is not None
+
+
+READ = """
+bpy.ops.import_scene.gltf(filepath=sys.argv[1])
+meshes = [o for o in bpy.data.objects if o.type == "MESH"]
+mesh = max(meshes, key=lambda o: len(o.data.polygons))  # another one draws bones
+image = next(image for image in bpy.data.images if image.size[0])
+pixels, (width, height) = list(image.pixels), image.size
+layer = mesh.data.uv_layers.active.data
+rows = []
+for face in list(mesh.data.polygons)[::7]:
+    u = sum(layer[k].uv[0] for k in face.loop_indices) / 3.0
+    v = sum(layer[k].uv[1] for k in face.loop_indices) / 3.0
+    start = 4 * (int(v * height) * width + int(u * width))
+    place = mesh.matrix_world @ face.center
+    rows.append([*place, *pixels[start : start + 3]])
+answer = {"size": [width, height], "rows": rows}
+"""
+
+
+@pytest.mark.interop
+def test_blender_shows_the_paint_where_it_was_painted(tmp_path):
+    state = brushed(ball(), PEN.but(pressure=1.0).along(ACROSS))
+    shapes = MODELER.shapes(state, MODELER.solve(state, Job()))
+    export(shapes, tmp_path / "ball.glb")
+    seen = asked(READ, tmp_path / "ball.glb")
+    assert max(seen["size"]) >= LEAST
+    rows = np.array(seen["rows"])
+    places = rows[:, :3] * (160.0 / np.ptp(rows[:, 0]))
+    off, red = way(places[:, [0, 2]], under(PEN, ACROSS)), rows[:, 3] - rows[:, 4] > 0.3
+    radius = 20.0 * 300.0 / 900.0
+    on_front = places[:, 1] < -20.0
+    inside = on_front & (off < 0.7 * radius)
+    assert inside.sum() > 10
+    assert red[inside].mean() > 0.97
+    assert not red[(off > 1.3 * radius) | (places[:, 1] > 20.0)].any()
