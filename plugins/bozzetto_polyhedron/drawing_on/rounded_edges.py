@@ -295,21 +295,10 @@ def _angle_in(
 def _chains(
     body: PlanarBody, group: Sequence[int], lines: Sequence[tuple[int, int]]
 ) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
-    """Return the vertices at either end of strips, from one side of the arc to the other.
+    """Return the vertices at either end of strips, below along the axis first.
 
-    Parameters
-    ----------
-    body : PlanarBody
-    group : sequence of int
-        The strips.
-    lines : sequence of (int, int)
-        Their sides along the axis, in the order of turns, each from below.
-
-    Returns
-    -------
-    (tuple of int, tuple of int) or None
-        Below along the axis first; None where a strip is not between two lines that follow one
-        another.
+    Both are in the order of `lines`, the sides of strips along the axis, each from below; None
+    where a strip of the group is not between two lines that follow one another.
     """
     chains = [lines[0][0]], [lines[0][1]]
     for one, other in pairwise(lines):
