@@ -48,9 +48,8 @@ MOST_LIFTED: Final = 10
 """Liftings of the body that are read, at most: of 120 drawings of solids none has more, scribbles
 have up to sixteen."""
 
-MOST_LIFTED_OPEN: Final = 6
-"""The same where corners have fewer than three lines, as scribbles and drawings that are not
-finished have: sheets have up to four."""
+MOST_LIFTED_LOOSE: Final = 6
+"""The same where a line has a loose end, as in scribbles and in drawings that are not finished."""
 
 MOST_WAYS: Final = 4
 """Ways in which loose parts lie in a body that are solved together with it."""
@@ -124,8 +123,8 @@ def readings(
     parts.sort(key=lambda part: -float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0))))
     found: list[Reading] = []
     seen: set[bytes] = set()
-    degrees = np.bincount(drawing.lines.ravel())
-    left = MOST_LIFTED_OPEN if ((degrees > 0) & (degrees < 3)).any() else MOST_LIFTED
+    is_loose = bool((np.bincount(drawing.lines.ravel()) == 1).any())
+    left = MOST_LIFTED_LOOSE if is_loose else MOST_LIFTED
     for strict, joining in enumerate((LOOSE, STRICT) if thorough else (LOOSE,)):
         classes = parallel_classes(drawing, joining)
         if classes.labels.tobytes() in seen or not parts:
