@@ -26,7 +26,7 @@ from bozzetto_silhouette.tools.attachment import floating_part, offer_to_attach
 from bozzetto_silhouette.tools.erase import without
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.hole_filling import FILL, part_drawn_around
-from bozzetto_silhouette.tools.landing import landing_scene
+from bozzetto_silhouette.tools.plane_preview import plane_scene
 from bozzetto_silhouette.tools.reflection import reflected, reflected_scene, reflection_of
 from bozzetto_silhouette.tools.through_preview import trace_through
 
@@ -56,7 +56,7 @@ class DrawOutline(ErasingTool):
         if isinstance(gesture, Tap):
             if not state.nodes and not context.scene.layers:
                 return Scene()
-            return landing_scene(gesture.x, gesture.y, gesture.camera, context)
+            return plane_scene(gesture.x, gesture.y, gesture.camera, context)
         if not isinstance(gesture, Ink):
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
