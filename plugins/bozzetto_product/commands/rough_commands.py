@@ -7,9 +7,12 @@ from dataclasses import replace
 from typing import Final, get_args
 
 from bozzetto.plugin import Command, Context
+from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughKind, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import SIZES
+from bozzetto_product.solve.canvas import canvases_of
+from bozzetto_product.solve.following import followed_curves
 
 MENU: Final = "Rough shape"
 
@@ -40,7 +43,7 @@ def rough_commands() -> Sequence[Command]:
         Command(
             "remove-rough",
             "Remove the rough shape",
-            "The curves stay where they are.",
+            "The curves stay where they are, and follow no other object any more.",
             _removed,
             enabled=_has_rough,
             menu=MENU,
@@ -92,4 +95,9 @@ def _hidden(state: ProductState, context: Context) -> ProductState:
 
 
 def _removed(state: ProductState, context: Context) -> ProductState:
-    return state.without_nodes(*(part.id for part in state.of_kind(RoughShape)))
+    """Return the state without what was drawn on; curves stay where they have gone with it."""
+    curves = state.of_kind(Curve)
+    for curve in followed_curves(curves, canvases_of(state, context.sources)):
+        state = state.with_node(curve)
+    parts = (*state.of_kind(RoughShape), *state.of_kind(FollowedShape))
+    return state.without_nodes(*(part.id for part in parts))
