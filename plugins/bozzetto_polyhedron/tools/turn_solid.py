@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, NextStep, Tap, override
-from bozzetto_polyhedron.commands.answers import with_answer
+from bozzetto_polyhedron.commands.answers import first_answer, with_answer
 from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.ranking import SURE
@@ -37,7 +37,10 @@ class TurnSolid(ErasingTool):
         if touched is None:
             raise UserError("There is no corner here. Touch a corner of the drawing.")
         body = touched.body
-        if body.choice is None or body.id != state.selected:
+        if body.choice is None:
+            place = touched.found.graph.places[touched.number]
+            return first_answer(state, body, place, alone=context.alone)
+        if body.id != state.selected:
             number = max(touched.found.number, 0)
         else:
             number = touched.found.number + (-1 if tap.shift else 1)
