@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
 from bozzetto.plugin import cached_property, override, remembered
-from bozzetto.view import Camera
+from bozzetto.view import Camera, triple
 from bozzetto.view.calibration import resect
 from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
 from bozzetto_car.body.default_shape import pull_out_panels
@@ -268,10 +268,11 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
         old = unstretched_body_of(before)
         if old.solved is not base and can_blend(old.template, base.template):
             start = _deformed(base, state)
-            return _carried(old, _right_after(old.solved, before), start, state.edits)
+            return _carried(old, _right_after(old.solved, before), start, before)
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
-        body = _edited(body, edit, number, state.smooth)
+        loose = _as_loose(state, body) if _is_of_loose_car(edit, state) else None
+        body = _edited(body, edit, number, state.smooth, loose)
     return body
 
 
@@ -343,6 +344,53 @@ def _reshaping(network: Network, wanted: Dimensions) -> Reshaping | None:
     return reshaping_of(network, wanted)
 
 
+@dataclass(frozen=True, eq=False)
+class _Loose:
+    """How a car whose dimensions are kept lies in space without them.
+
+    Attributes
+    ----------
+    map_ : Reshaping or None
+        To about the car that is solved without dimensions; None if it is that.
+    ahead : float
+        By how much the car then lies farther back than that one, mm.
+    """
+
+    map_: Reshaping | None
+    ahead: float
+
+
+def _is_of_loose_car(edit: Edit, state: CarState) -> bool:
+    """Whether an edit was made in space on a car before its dimensions were kept.
+
+    It goes along with the car. A stroke on a sketch stays on its line, which the car goes to.
+    """
+    if not (state.lock and state.dimensions.given()) or edit.dimensions.given():
+        return False
+    return not (isinstance(edit, TracedEdges) and edit.sketch)
+
+
+def _as_loose(state: CarState, body: Body) -> _Loose | None:
+    """Return how the solved car of a body lies without dimensions; None if nothing can tell."""
+    return _lying_loose(body.solved, solve_car(replace(state, lock=False)), state)
+
+
+@remembered(
+    limit=FIRST_SEEN,
+    key=lambda kept, loose, state: (
+        (kept, loose, state.default_shape, state.annealed, state.smooth)
+    ),
+)
+def _lying_loose(kept: Solved, loose: Solved, state: CarState) -> _Loose | None:
+    own, other = (_right_after(base, state) for base in (kept, loose))
+    try:
+        map_ = reshaping_of(own.network, other.dimensions)
+    except UserError:  # a car so odd that nothing can be stretched, such as one on its wheels' front
+        return None
+    there = own.network if map_ is None else stretch(own.network, map_)
+    return _Loose(map_, float((there.positions - other.network.positions)[:, 0].mean()))
+
+
 def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
     """Return the samples of a stroke, (k, 2) px, and the camera that it was drawn through.
 
@@ -365,14 +413,14 @@ def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
 
 @remembered(
     limit=REMEMBERED,
-    key=lambda body, edit, number, smooth: (body, _Same(edit), number, smooth),
+    key=lambda body, edit, number, smooth, loose: (body, _Same(edit), number, smooth, loose),
 )
-def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
+def _edited(body: Body, edit: Edit, number: int, smooth: bool, loose: _Loose | None) -> Body:
     """Return a body after one more edit; the same body and the reason where that is impossible."""
     try:
-        map_ = _map_to(body.network, edit.dimensions)
+        map_ = _map_to(body.network, edit.dimensions) if loose is None else loose.map_
         there = body.network if map_ is None else stretch(body.network, map_)
-        network, edges = _changed(there, edit, body)
+        network, edges = _changed(there, edit, body, 0.0 if loose is None else loose.ahead)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
     in_hand = _with_images(body.template, edges)
@@ -386,36 +434,45 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
     return replace(body, network=network, drawn=body.drawn | in_hand, traced=traced)
 
 
-def _carried(old: Body, old_start: Body, start: Body, edits: Sequence[Edit]) -> Body:
-    """Return the body `start` with the change that edits have made from `old_start` to `old`."""
-    traced = list(_on_pictures(old, start, edits))
+def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
+    """Return the body `start` with the change that the edits of a car have made from `old_start`
+    to `old`."""
+    traced = list(_on_pictures(old, start, before))
     network = carried(old.network, old_start.network, start.network, traced)
     return replace(old, network=network, solved=start.solved)
 
 
-def _on_pictures(old: Body, start: Body, edits: Sequence[Edit]) -> Iterator[OnPicture]:
+def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture]:
     """Yield what was traced on a body as it was and as it is seen now.
 
     What was traced on a stretched body is seen on another one than this; it is left out.
     """
     for number, edges in old.traced:
-        edit = edits[number]
+        edit = before.edits[number]
         assert isinstance(edit, TracedEdges)
-        if edit.dimensions.given():
+        if edit.dimensions.given() or _is_of_loose_car(edit, before):
             continue
         try:
-            (was, before), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
+            (was, then), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
         except UserError:  # its sketch has no camera any more, and is told where edits are repeated
             continue
         shift = (is_now[0] - was[0]).tolist()
-        yield OnPicture(edges, edit.nodes_follow, before, now, (shift[0], shift[1]))
+        yield OnPicture(edges, edit.nodes_follow, then, now, (shift[0], shift[1]))
 
 
-def _changed(network: Network, edit: Edit, body: Body) -> tuple[Network, tuple[int, ...]]:
-    """Return a network after an edit, and the edges that the edit has drawn."""
+def _changed(
+    network: Network, edit: Edit, body: Body, ahead: float
+) -> tuple[Network, tuple[int, ...]]:
+    """Return a network after an edit, and the edges that the edit has drawn.
+
+    It was made on a car `ahead` mm farther ahead than this one.
+    """
     template = network.template
     if isinstance(edit, TracedEdges):
         points, camera = drawn_through(body, edit)
+        if ahead:
+            eye, target = (triple(np.add(at, (ahead, 0.0, 0.0))) for at in (camera.eye, camera.target))
+            camera = replace(camera, eye=eye, target=target)
         edges = tuple(edge_called(template, name) for name in edit.edges)
         made = trace(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
         return made.network, tuple(max(edge, ~edge) for edge in made.run.edges)
