@@ -271,8 +271,9 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
             return _carried(old, _right_after(old.solved, before), start, before)
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
-        loose = _as_loose(state, body) if _is_of_loose_car(edit, state) else None
-        body = _edited(body, edit, number, state.smooth, loose)
+        then = _car_then(edit, state)
+        moved = None if then is None else _moved_since(body.solved, state, then)
+        body = _edited(body, edit, number, state.smooth, moved)
     return body
 
 
@@ -345,50 +346,59 @@ def _reshaping(network: Network, wanted: Dimensions) -> Reshaping | None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Loose:
-    """How a car whose dimensions are kept lies in space without them.
+class _Moved:
+    """How a car whose dimensions are kept has moved since an edit was made in space.
 
     Attributes
     ----------
-    map_ : Reshaping or None
-        To about the car that is solved without dimensions; None if it is that.
-    ahead : float
-        By how much the car then lies farther back than that one, mm.
+    back : Reshaping or None
+        To about the car that it was then; None if it has these dimensions.
+    along : float
+        How much farther along x it then stands, mm.
     """
 
-    map_: Reshaping | None
-    ahead: float
+    back: Reshaping | None
+    along: float
 
 
-def _is_of_loose_car(edit: Edit, state: CarState) -> bool:
-    """Whether an edit was made in space on a car before its dimensions were kept.
+def _car_then(edit: Edit, state: CarState) -> CarState | None:
+    """Return a car with the kept dimensions that it had when an edit was made in space.
 
-    It goes along with the car. A stroke on a sketch stays on its line, which the car goes to.
+    None where they are kept now, or nothing is. A stroke on a sketch stays on its line, which the
+    car goes to, and is not of space.
     """
-    if not (state.lock and state.dimensions.given()) or edit.dimensions.given():
-        return False
-    return not (isinstance(edit, TracedEdges) and edit.sketch)
+    if not (state.lock and state.dimensions.given()) or edit.dimensions == state.dimensions:
+        return None
+    if isinstance(edit, TracedEdges) and edit.sketch:
+        return None
+    was = edit.dimensions
+    return replace(
+        state, lock=bool(was.given()), length=was.length or 0.0, width=was.width or 0.0,
+        height=was.height or 0.0, front_overhang=was.front_overhang or 0.0,
+        wheelbase=was.wheelbase or 0.0,
+    )  # fmt: skip
 
 
-def _as_loose(state: CarState, body: Body) -> _Loose | None:
-    """Return how the solved car of a body lies without dimensions; None if nothing can tell."""
-    return _lying_loose(body.solved, solve_car(replace(state, lock=False)), state)
+def _moved_since(now: Solved, state: CarState, then: CarState) -> _Moved | None:
+    """Return how a solved car has moved since it had other kept dimensions, or none."""
+    try:
+        return _moved(now, solve_car(then), state, then.dimensions)
+    except UserError:  # it cannot have had them, or cannot be stretched to them any more
+        return None
 
 
 @remembered(
     limit=FIRST_SEEN,
-    key=lambda kept, loose, state: (
-        (kept, loose, state.default_shape, state.annealed, state.smooth)
+    key=lambda now, then, state, wanted: (
+        (now, then, wanted, state.default_shape, state.annealed, state.smooth)
     ),
 )
-def _lying_loose(kept: Solved, loose: Solved, state: CarState) -> _Loose | None:
-    own, other = (_right_after(base, state) for base in (kept, loose))
-    try:
-        map_ = reshaping_of(own.network, other.dimensions)
-    except UserError:  # a car so odd that nothing can be stretched, such as one on its wheels' front
-        return None
-    there = own.network if map_ is None else stretch(own.network, map_)
-    return _Loose(map_, float((there.positions - other.network.positions)[:, 0].mean()))
+def _moved(now: Solved, then: Solved, state: CarState, wanted: Dimensions) -> _Moved:
+    own, other = _right_after(now, state), _right_after(then, state)
+    was = _finished(other, wanted) if wanted.given() else other
+    back = reshaping_of(own.network, was.dimensions)
+    there = own.network if back is None else stretch(own.network, back)
+    return _Moved(back, float((there.positions - was.network.positions)[:, 0].mean()))
 
 
 def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
@@ -413,14 +423,14 @@ def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
 
 @remembered(
     limit=REMEMBERED,
-    key=lambda body, edit, number, smooth, loose: (body, _Same(edit), number, smooth, loose),
+    key=lambda body, edit, number, smooth, moved: (body, _Same(edit), number, smooth, moved),
 )
-def _edited(body: Body, edit: Edit, number: int, smooth: bool, loose: _Loose | None) -> Body:
+def _edited(body: Body, edit: Edit, number: int, smooth: bool, moved: _Moved | None) -> Body:
     """Return a body after one more edit; the same body and the reason where that is impossible."""
     try:
-        map_ = _map_to(body.network, edit.dimensions) if loose is None else loose.map_
+        map_ = _map_to(body.network, edit.dimensions) if moved is None else moved.back
         there = body.network if map_ is None else stretch(body.network, map_)
-        network, edges = _changed(there, edit, body, 0.0 if loose is None else loose.ahead)
+        network, edges = _changed(there, edit, body, 0.0 if moved is None else moved.along)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
     in_hand = _with_images(body.template, edges)
@@ -435,8 +445,7 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool, loose: _Loose | N
 
 
 def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
-    """Return the body `start` with the change that the edits of a car have made from `old_start`
-    to `old`."""
+    """Return the body `start` with what the edits of a car changed from `old_start` to `old`."""
     traced = list(_on_pictures(old, start, before))
     network = carried(old.network, old_start.network, start.network, traced)
     return replace(old, network=network, solved=start.solved)
@@ -450,7 +459,7 @@ def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture
     for number, edges in old.traced:
         edit = before.edits[number]
         assert isinstance(edit, TracedEdges)
-        if edit.dimensions.given() or _is_of_loose_car(edit, before):
+        if edit.dimensions.given() or _car_then(edit, before) is not None:
             continue
         try:
             (was, then), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
@@ -461,17 +470,18 @@ def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture
 
 
 def _changed(
-    network: Network, edit: Edit, body: Body, ahead: float
+    network: Network, edit: Edit, body: Body, along: float
 ) -> tuple[Network, tuple[int, ...]]:
     """Return a network after an edit, and the edges that the edit has drawn.
 
-    It was made on a car `ahead` mm farther ahead than this one.
+    The car now stands `along` mm farther along x than when the edit was made.
     """
     template = network.template
     if isinstance(edit, TracedEdges):
         points, camera = drawn_through(body, edit)
-        if ahead:
-            eye, target = (triple(np.add(at, (ahead, 0.0, 0.0))) for at in (camera.eye, camera.target))
+        if along:
+            way = (along, 0.0, 0.0)
+            eye, target = (triple(np.add(at, way)) for at in (camera.eye, camera.target))
             camera = replace(camera, eye=eye, target=target)
         edges = tuple(edge_called(template, name) for name in edit.edges)
         made = trace(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
