@@ -132,6 +132,8 @@ class SoftwareViewport(QWidget):
                 passed, self._moved_at = 1000.0 * (now - self._moved_at), now
                 pace = SLOWER * passed if passed < NEXT else 0.0
                 self._wait_for_rest(max(DRAG_REST, round(pace)))
+                # Who solves the next shape needs the processor more than the picture does.
+                self._share = min(self._share, coarseness(self._frame_time))
             elif self._rest.remainingTime() > REST:
                 self._rest.start(REST)
             self._scene = scene

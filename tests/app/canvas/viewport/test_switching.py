@@ -434,6 +434,10 @@ def test_frames_in_motion_are_as_fine_as_they_turn_out_to_be_fast(qtbot, monkeyp
         assert motions[-1] == sorted(motions[-1], reverse=True)
     assert motions[0][0] == pytest.approx(software.coarseness(0.4))
     assert motions[-1][0] == pytest.approx(software.coarseness(0.13), rel=0.01)
+    shown.clear()
+    viewport.set_scene(Scene(box_scene.layers), moving=True)
+    qtbot.waitUntil(lambda: bool(shown), timeout=5000)
+    assert shown[0] == pytest.approx(motions[0][0]), "who solves the next shape comes first"
 
 
 def rest_of(viewport):
