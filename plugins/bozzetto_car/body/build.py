@@ -347,7 +347,7 @@ def _reshaping(network: Network, wanted: Dimensions) -> Reshaping | None:
 
 @dataclass(frozen=True, eq=False)
 class _Moved:
-    """How a car whose dimensions are kept has moved since an edit was made in space.
+    """How a car that is solved for other dimensions has moved since an edit was made in space.
 
     Attributes
     ----------
@@ -362,25 +362,28 @@ class _Moved:
 
 
 def _car_then(edit: Edit, state: CarState) -> CarState | None:
-    """Return a car with the kept dimensions that it had when an edit was made in space.
+    """Return a car that is solved for what it was solved for when an edit was made in space.
 
-    None where they are kept now, or nothing is. A stroke on a sketch stays on its line, which the
-    car goes to, and is not of space.
+    None where it still is. A stroke on a sketch stays on its line, which the car goes to, and is
+    not of space.
     """
-    if not (state.lock and state.dimensions.given()) or edit.dimensions == state.dimensions:
-        return None
     if isinstance(edit, TracedEdges) and edit.sketch:
         return None
-    was = edit.dimensions
+    was, is_kept = edit.dimensions, state.lock and bool(state.dimensions.given())
+    was_kept = bool(was.given()) and (is_kept if edit.kept is None else edit.kept)
+    if was_kept == is_kept and (not is_kept or was == state.dimensions):
+        return None
     return replace(
-        state, lock=bool(was.given()), length=was.length or 0.0, width=was.width or 0.0,
+        state, lock=was_kept, length=was.length or 0.0, width=was.width or 0.0,
         height=was.height or 0.0, front_overhang=was.front_overhang or 0.0,
         wheelbase=was.wheelbase or 0.0,
     )  # fmt: skip
 
 
 def _moved_since(now: Solved, state: CarState, then: CarState) -> _Moved | None:
-    """Return how a solved car has moved since it had other kept dimensions, or none."""
+    """Return how a solved car has moved since it was solved for other dimensions, or for none."""
+    if now.joint is None:  # nothing is solved, whatever is kept
+        return None
     try:
         return _moved(now, solve_car(then), state, then.dimensions)
     except UserError:  # it cannot have had them, or cannot be stretched to them any more
