@@ -164,7 +164,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         UserError
             If there is no surface to lay them on, or the drawing has no closed lines.
         """
-        return with_drawing_laid(state, drawing, context.camera)
+        return with_drawing_laid(state, drawing, context)
 
     @override
     def follow(self, sources: Mapping[str, Shapes]) -> ProductState:

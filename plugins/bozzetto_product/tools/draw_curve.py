@@ -38,7 +38,7 @@ from bozzetto_product.projection.views import pixel_size
 from bozzetto_product.solve.canvas import Canvas, mesh_of_rough_shape
 from bozzetto_product.solve.following import laid_on
 from bozzetto_product.solve.found_patches import with_patches_found
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.tools.product_tool import ProductTool, standing
 from bozzetto_product.view.scene import JOIN_TOOL, SURFACES, canvas_layer_name
 
 MAGNET: Final = 16.0
@@ -122,6 +122,7 @@ class DrawCurve(ProductTool):
         return MagnetPreview(self, state, context)
 
     @override
+    @standing
     def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Add the strokes as one curve.
 
