@@ -86,7 +86,7 @@ def mesh_of_rough_shape(part: RoughShape) -> Mesh:
 
 def mesh_of_shapes(shapes: Shapes) -> Mesh:
     """Return all surfaces of some shapes as one mesh; empty where there are curves only."""
-    return _joined(list(_meshes(shapes)))
+    return _joined(tuple(_meshes(shapes)))
 
 
 def _meshes(shapes: Shapes) -> Iterator[Mesh]:
@@ -94,7 +94,9 @@ def _meshes(shapes: Shapes) -> Iterator[Mesh]:
         yield part.mesh
 
 
-def _joined(meshes: list[Mesh]) -> Mesh:
+@remembered(limit=16)
+def _joined(meshes: tuple[Mesh, ...]) -> Mesh:
+    """Return meshes as one; remembered, so that its tree of boxes is made once."""
     vertices: list[Array] = [np.zeros((0, 3))]
     faces: list[Index] = [np.zeros((0, 3), int)]
     normals: list[Array] = [np.zeros((0, 3))]

@@ -15,7 +15,8 @@ from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen, Shell
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
-from tests.plugins.product.pen_strokes import FRONT
+from bozzetto_product.model.rough_shapes import FollowedShape
+from tests.plugins.product.pen_strokes import FRONT, draw_along, straight
 
 PEN = Pen(tremor=0.3, seed=2026).but(camera=FRONT)
 
@@ -128,3 +129,58 @@ def test_commands_act_on_curves_where_they_have_gone(shell: Shell) -> None:
     shell.put(replace(shell.state, selected=curve.id))
     shell.run("straighten")
     assert np.abs(as_seen(shell, "Curve 1")[[0, -1]] - line[[0, -1]]).max() < 0.5
+
+
+def begun_on_silhouette(shell: Shell) -> Shell:
+    """An empty product beside a silhouette, as whoever takes the modeler has it."""
+    shell.open("bozzetto.silhouette")
+    shell.camera = FRONT
+    shell.draw(PEN.circle(600.0, 455.0, 150.0))
+    shell.open("bozzetto.product")
+    return shell
+
+
+def test_the_first_curve_on_another_object_makes_the_product_follow_it(tmp_path: Path) -> None:
+    made = begun_on_silhouette(Shell(Registry(), tmp_path))
+    source = next(model for model in made.document if model.id != made.model.id)
+    made.draw(PEN.along([(530.0, 440.0), (600.0, 420.0), (670.0, 440.0)]), tool="draw")
+    assert [part.source for part in made.state.of_kind(FollowedShape)] == [source.id]
+    assert made.model.followed == (source.id,)
+    made.draw(PEN.along([(530.0, 480.0), (600.0, 500.0), (670.0, 480.0)]), tool="draw")
+    assert len(made.state.of_kind(FollowedShape)) == 1
+    before = [as_seen(made, name).mean(axis=0) for name in ("Curve 1", "Curve 2")]
+    moved_aside(made)
+    after = [as_seen(made, name).mean(axis=0) for name in ("Curve 1", "Curve 2")]
+    assert all(below[1] - above[1] > 20.0 for below, above in zip(before, after, strict=True))
+    assert made.undo()
+    assert made.undo()
+    assert made.undo()
+    assert made.model.followed == ()
+
+
+def test_a_curve_beside_all_objects_follows_none(tmp_path: Path) -> None:
+    made = begun_on_silhouette(Shell(Registry(), tmp_path))
+    made.draw(PEN.along([(100.0, 120.0), (180.0, 140.0), (260.0, 120.0)]), tool="draw")
+    assert made.model.followed == ()
+    assert not made.state.of_kind(FollowedShape)
+
+
+def test_a_product_begun_on_the_rough_shape_of_another_one_follows_nothing(tmp_path: Path) -> None:
+    made = Shell(Registry(), tmp_path)
+    made.open("bozzetto.product")
+    draw_along(made, PEN, straight((-20.0, -10.0, 60.0), (20.0, -10.0, 60.0)))
+    made.open("bozzetto.product")
+    draw_along(made, PEN, straight((-20.0, 10.0, 60.0), (20.0, 10.0, 60.0)))
+    assert made.model.followed == ()
+
+
+def test_who_hides_what_a_product_was_drawn_on_is_told_where_curves_lie_now(shell: Shell) -> None:
+    shell.put(replace(shell.state, selected=""))
+    (draw, *_) = shell.tools()
+    before = shell.workbench.next_step(shell.model, draw).sentence
+    shell.run("hide-rough")
+    after = shell.workbench.next_step(shell.model, draw).sentence
+    assert after != before
+    assert "on the surfaces now" in after
+    shell.run("hide-rough")
+    assert shell.workbench.next_step(shell.model, draw).sentence == before
