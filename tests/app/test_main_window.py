@@ -20,6 +20,7 @@ from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
+from bozzetto_app.panels.objects.object_row import ModelRow
 from bozzetto_app.workers.channel import Request
 from tests.app.seen import colour, darkness, part
 from tests.app.tablet import Mouse, Stylus, circle
@@ -670,3 +671,17 @@ def test_no_two_entries_of_a_menu_have_the_same_letter(make_window, settle):
             if "&" in (text := action.text().replace("&&", ""))
         ]
         assert len(set(letters)) == len(letters), [action.text() for action in menu.actions()]
+
+
+def test_enter_after_a_new_name_does_not_leave_the_object(window, draw, settle):
+    draw(window)
+    session = window.session
+    chosen = session.selection.id
+    assert chosen is not None
+    row = next(one for one in window.findChildren(ModelRow) if one.isVisible())
+    row.edit_name()
+    QTest.keyClicks(row.editor, "Pony")
+    QTest.keyClick(row.editor, Qt.Key.Key_Return)
+    settle(session, window.keeper)
+    assert session.drawing.document.models[0].name == "Pony"
+    assert session.selection.id == chosen

@@ -70,6 +70,8 @@ class _Editor(QLineEdit):
             self.given_up.emit()
         else:
             super().keyPressEvent(event)
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            event.accept()  # Qt hands it on, and the list would begin a new object
 
 
 class NamedRow(QWidget):
