@@ -15,7 +15,7 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPen,
 )
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import ROW
@@ -24,6 +24,7 @@ from bozzetto_app.style.theme import qcolor, set_tone, text_height, tones
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch
+from bozzetto_app.widgets.text_field import TextField
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model, Underlay
@@ -60,7 +61,7 @@ class _Name(QLabel):
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignVCenter, words)
 
 
-class _Editor(QLineEdit):
+class _Editor(TextField):
     """Enter takes the name, Esc leaves it as it was."""
 
     given_up = Signal()
@@ -70,8 +71,6 @@ class _Editor(QLineEdit):
             self.given_up.emit()
         else:
             super().keyPressEvent(event)
-        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            event.accept()  # Qt hands it on, and the list would begin a new object
 
 
 class NamedRow(QWidget):
