@@ -688,6 +688,8 @@ def test_enter_after_a_new_name_does_not_leave_the_object(window, draw, settle):
     assert chosen is not None
     row = next(one for one in window.findChildren(ModelRow) if one.isVisible())
     row.edit_name()
+    QApplication.processEvents()
+    assert row.rect().contains(row.editor.geometry())  # else its lower edge is cut off
     QTest.keyClicks(row.editor, "Pony")
     QTest.keyClick(row.editor, Qt.Key.Key_Return)
     settle(session, window.keeper)

@@ -90,6 +90,7 @@ class NamedRow(QWidget):
         self.name.rename.connect(self.edit_name)
         self.editor = _Editor()
         self.editor.setAccessibleName(tr("Objects", "Name"))
+        self.editor.setProperty("inrow", True)
         self.editor.hide()
         self.editor.editingFinished.connect(self._take_name)
         self.editor.given_up.connect(self._stop_editing)
