@@ -31,9 +31,14 @@ LIMIT = 0.3
 
 @pytest.fixture(scope="module", autouse=True)
 def _imported():
-    """So that no limit is reached by the imports of the modeler that behaves."""
+    """So that no limit is reached by imports, and no module keeps a limit of these tests.
+
+    What is imported while `LATE_AFTER` is short takes the short one with it, for all later tests.
+    """
     silhouette = ("bozzetto_silhouette", "bozzetto_silhouette.modeler")
-    for name in ("scipy.spatial", "scipy.sparse.linalg", "scipy.optimize", "shapely", *silhouette):
+    window = ("bozzetto_app.main_window", "bozzetto_app.session.session")
+    libraries = ("scipy.spatial", "scipy.sparse.linalg", "scipy.optimize", "shapely")
+    for name in (*libraries, *silhouette, *window):
         importlib.import_module(name)
 
 

@@ -33,8 +33,15 @@ PACE: Final = 1.0
 """Seconds that a process may take to start, and for an action on average, before it is ended."""
 
 
-def rows(share: float) -> Iterator[Row]:
-    """Play a share of the runs on every platform."""
+def rows(share: float, seed: int = 0) -> Iterator[Row]:
+    """Play a share of the runs on every platform.
+
+    Parameters
+    ----------
+    share : float
+    seed : int
+        The runs' own seeds are those after it.
+    """
     for platform in PLATFORMS:
         if not is_possible(platform):
             yield Row(f"{platform}: no X server here", "left out")
@@ -43,12 +50,12 @@ def rows(share: float) -> Iterator[Row]:
         outcomes = [
             play(
                 "monkey",
-                ("--seed", str(seed), "--actions", str(actions)),
+                ("--seed", str(number), "--actions", str(actions)),
                 platform,
                 START + PACE * actions,
-                f"{platform} seed {seed}",
+                f"{platform} seed {number}",
             )
-            for seed, actions in enumerate(lengths, 1)
+            for number, actions in enumerate(lengths, seed + 1)
         ]
         yield from rows_of(platform, lengths, outcomes)
 

@@ -35,12 +35,10 @@ from bozzetto_app.canvas.input.stroke_samples import PressureCurve
 from bozzetto_app.canvas.input.tablet_events import ProximityWatch
 from bozzetto_app.canvas.overlay.advice_light import ViewLight
 from bozzetto_app.canvas.overlay.empty_hint import SheetHint
-from bozzetto_app.canvas.overlay.loupe import Loupe
 from bozzetto_app.canvas.overlay.pace_badge import PaceBadge
 from bozzetto_app.canvas.overlay.thickness_scale import ThicknessScale
 from bozzetto_app.canvas.overlay.view_cube import ViewCube
 from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
-from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
 from bozzetto_app.canvas.view_changes import ViewChanges
 from bozzetto_app.canvas.viewport.switching import Viewports
 from bozzetto_app.i18n import tr
@@ -52,6 +50,8 @@ if TYPE_CHECKING:
     from bozzetto.plugin.job import Job
     from bozzetto.scene.palette import Palette
     from bozzetto.view.camera import Camera
+    from bozzetto_app.canvas.overlay.loupe import Loupe
+    from bozzetto_app.canvas.radial_menu import MenuEntry, RadialMenu
     from bozzetto_app.session.notices import Notice
     from bozzetto_app.session.session import Session
 
@@ -138,9 +138,8 @@ class Canvas(QWidget):
         self.light = ViewLight(self)
         self.pace_badge = PaceBadge(self)
         self.thickness_scale = ThicknessScale(self)
-        self.loupe = Loupe(lambda: self.viewports.current.shown(), self)
-        self.menu = RadialMenu(self)
-        self.menu.refused.connect(self.menu_refused)
+        self._loupe: Loupe | None = None
+        self._menu: RadialMenu | None = None
         self.hand = Hand(session, self.overlay)
         self.motion = ViewMotion(session, self)
         self.views = ViewChanges(session, self.motion)
@@ -168,8 +167,9 @@ class Canvas(QWidget):
         session.pictures.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._fade_hint)
+        self.hand.ink_began.connect(session.pictures.placing.leave)
         self.hand.aimed.connect(self._aim)
-        self.hand.aim_ended.connect(self.loupe.put_away)
+        self.hand.aim_ended.connect(self._put_loupe_away)
         self.hand.mode_changed.connect(self._mode_changed)
         self.hand.touched.connect(self._touch)
         self.hand.pressed.connect(self._forget_touch)
@@ -177,7 +177,7 @@ class Canvas(QWidget):
             channel.busy_changed.connect(self._answer_touch)
         self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
-        self.hand.menu_moved.connect(self.menu.point)
+        self.hand.menu_moved.connect(lambda place: self.menu.point(place))
         self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
         self.cube.direction_chosen.connect(self.views.look_from)
         self.cube.turned.connect(self.views.turn)
@@ -216,9 +216,10 @@ class Canvas(QWidget):
         self.viewports.set_palette(palette)
         for part in (
             *(self.overlay, self.empty_hint, self.cube, self.light),
-            *(self.pace_badge, self.thickness_scale, self.loupe, self.menu),
+            *(self.pace_badge, self.thickness_scale, self._loupe, self._menu),
         ):
-            part.set_colors(palette)
+            if part is not None:
+                part.set_colors(palette)
 
     def read_settings(self) -> None:
         """Take over what the settings say; call it when they changed."""
@@ -283,6 +284,17 @@ class Canvas(QWidget):
 
     # -- the menu -----------------------------------------------------------------------------
 
+    @property
+    def menu(self) -> RadialMenu:
+        """The radial menu, made when it is first asked for: the first paint needs none."""
+        if self._menu is None:
+            from bozzetto_app.canvas.radial_menu import RadialMenu
+
+            self._menu = RadialMenu(self)
+            self._menu.refused.connect(self.menu_refused)
+            self._menu.set_colors(self._colors)
+        return self._menu
+
     def open_menu(self, place: QPointF | None = None) -> None:
         """Open the radial menu at a place; without one at the pointer, or close it."""
         if place is None:
@@ -307,16 +319,33 @@ class Canvas(QWidget):
     def _show_held(self) -> None:
         self._held.stop()
         self.viewports.show_scene()
-        if self.loupe.isVisible():
-            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
+        self._magnify()
         self.hand.hovering.scene_or_view_changed()
         if not self._session.drawing.is_dragging:
             self._prepare_picking(self._session.scene.visible, self._session.view.camera)
 
     def _show_live(self) -> None:
         self.viewports.show_live()
-        if self.loupe.isVisible():
-            self.loupe.show_scene(self._all_shown(), self._session.view.camera)
+        self._magnify()
+
+    @property
+    def loupe(self) -> Loupe:
+        """The loupe, made when a place is first aimed at: the first paint needs none."""
+        if self._loupe is None:
+            from bozzetto_app.canvas.overlay.loupe import Loupe
+
+            self._loupe = Loupe(lambda: self.viewports.current.shown(), self)
+            self._loupe.set_colors(self._colors)
+        return self._loupe
+
+    def _magnify(self) -> None:
+        """Show what has changed in the loupe as well, while it is there."""
+        if self._loupe is not None and self._loupe.isVisible():
+            self._loupe.show_scene(self._all_shown(), self._session.view.camera)
+
+    def _put_loupe_away(self) -> None:
+        if self._loupe is not None:
+            self._loupe.put_away()
 
     def _aim(self, place: QPointF) -> None:
         """Magnify the place that the pen aims at."""

@@ -17,7 +17,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from bozzetto.document.links import LinkedModels, is_same_recipe
 from bozzetto.errors import Cancelled, UserError
-from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto_app.session.copy_places import extent_of
 from bozzetto_app.session.revisions import Revisions, Stage, Task
@@ -27,6 +26,7 @@ from bozzetto_app.workers.main_thread import call_on_main_thread
 if TYPE_CHECKING:
     from bozzetto.arrays import Array
     from bozzetto.document.model import Model
+    from bozzetto.plugin.figures import Figure
     from bozzetto.plugin.job import Job
     from bozzetto.scene.display_list import Layer, Scene
     from bozzetto.workbench.workbench import Workbench
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Solver"]
 
-Report = tuple[dict[str, Any], Mapping[str, Figure]]
+Report = tuple[dict[str, Any], "Mapping[str, Figure]"]
 """Values, and the words in which they are said."""
 
 REST: Final = 300

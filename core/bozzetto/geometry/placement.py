@@ -12,6 +12,8 @@ from bozzetto.errors import UserError
 UNIT_TOLERANCE: float = 1e-6
 """Largest departure from orthonormality accepted in a rotation."""
 
+_UNTURNED = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
 
 @dataclass(frozen=True)
 class Placement:
@@ -27,7 +29,7 @@ class Placement:
         mm.
     """
 
-    rotation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    rotation: tuple[float, ...] = _UNTURNED
     scale: float = 1.0
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -45,7 +47,7 @@ class Placement:
     @property
     def is_identity(self) -> bool:
         """Whether nothing moves."""
-        return self == Placement()
+        return (self.rotation, self.scale, self.offset) == (_UNTURNED, 1.0, (0.0, 0.0, 0.0))
 
     @property
     def mirrors(self) -> bool:

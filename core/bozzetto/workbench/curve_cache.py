@@ -21,16 +21,25 @@ if TYPE_CHECKING:
     from bozzetto.geometry.shapes import Curve, Shapes
     from bozzetto.plugin.host.registry import Registry
 
-KEPT = 64
-"""Models whose curves are kept; they can always be learnt again."""
+KEPT = 1000
+"""States whose curves are kept; they can always be learnt again."""
 
 
 class _Known(NamedTuple):
-    """A model, what it offered in its own frame, and the same in the world."""
+    """A state, what it offered in its own frame, and the same in the world.
 
-    model: Model
+    Parameters
+    ----------
+    state : object
+        Kept, so that no other one is taken for it.
+    own : Shapes
+    placed : dict of str to (Model, tuple of Curve)
+        By id, for copies share a state: each model as it was last asked for.
+    """
+
+    state: Any
     own: Shapes
-    placed: tuple[Curve, ...]
+    placed: dict[str, tuple[Model, tuple[Curve, ...]]]
 
 
 class KnownCurves:
@@ -68,7 +77,7 @@ class KnownCurves:
 
         own = Shapes(curves=told)
         with self._lock:
-            self._kept[_key(model)] = _Known(model, own, shapes_in_world(own, model).curves)
+            self._kept[_key(model)] = _Known(model.state, own, {})
             self._kept.move_to_end(_key(model))
             while len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
@@ -95,12 +104,15 @@ class KnownCurves:
         for model in models:
             with self._lock:
                 known = self._kept.get(_key(model))
-                if known is None or known.model.state is not model.state or not model.visible:
+                if known is None or known.state is not model.state or not model.visible:
                     continue
-                if known.model is not model:  # renamed, moved or coloured since
-                    known = _Known(model, known.own, shapes_in_world(known.own, model).curves)
-                    self._kept[_key(model)] = known
-            found.extend(known.placed)
+                if not known.own.curves:
+                    continue
+                before, curves = known.placed.get(model.id, (None, ()))
+                if before is not model:  # renamed, moved or coloured since
+                    curves = shapes_in_world(known.own, model).curves
+                    known.placed[model.id] = (model, curves)
+            found.extend(curves)
         return tuple(found)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import operator
 from dataclasses import replace
 
 import numpy as np
@@ -225,6 +226,28 @@ def test_curves_of_a_follower_are_those_of_its_newest_result(bench, boxes, monke
     changed = with_state(bench.registry, follower, BoxState())
     assert changed.sources == ()
     assert same(changed.frozen, ())
+
+
+def test_curves_of_copies_are_placed_once_for_each(bench, boxes, monkeypatch):
+    def edges(self, state, result):
+        return [Curve(1, np.array([0.0, 0, 1, 1]), mesh.bounds) for mesh in result]
+
+    monkeypatch.setattr(type(boxes), "curves", edges)
+    one = box(bench, "a", edge=10.0)
+    bench.curves.learn(one, bench.solve(one, Job()))
+    copies = [
+        replace(one, id=f"copy{at}", placement=Placement(offset=(100.0 * at, 0.0, 0.0)))
+        for at in range(1, 4)
+    ]
+    curves = bench.curves.of([one, *copies])
+    low = [curve.control_points[:, 0].min() for curve in curves]
+    assert np.allclose(np.diff(low), 100.0)
+    assert all(map(operator.is_, bench.curves.of([one, *copies]), curves))
+    copies[1] = replace(copies[1], placement=Placement(offset=(0.0, 7.0, 0.0)))
+    moved = bench.curves.of([one, *copies])
+    assert [now is before for now, before in zip(moved, curves, strict=True)] == [
+        *(True, True, False, True)
+    ]
 
 
 @pytest.mark.parametrize(

@@ -227,6 +227,7 @@ def _broken() -> dict[str, object]:
         "loops of a wrong kind": made(lambda f: network(f, "loops", "ab bc")),
         "crease too large": made(lambda f: network(f, "creases", {"ab": 3})),
         "crease of nobody": made(lambda f: network(f, "creases", {"zz": 1})),
+        "crease of a piece": made(lambda f: network(f, "creases", {"ab/1": 0})),
         "pressure of no surface": made(lambda f: network(f, "pressure", {"ab gh": 1})),
         "pressure without end": made(lambda f: network(f, "pressure", {"ab": float("inf")})),
     }  # fmt: skip
