@@ -7,12 +7,9 @@ from dataclasses import replace
 from typing import Final, get_args
 
 from bozzetto.plugin import Command, Context
-from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughKind, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import SIZES
-from bozzetto_product.solve.canvas import canvases_of
-from bozzetto_product.solve.following import followed_curves
 
 MENU: Final = "Rough shape"
 
@@ -95,9 +92,9 @@ def _hidden(state: ProductState, context: Context) -> ProductState:
 
 
 def _removed(state: ProductState, context: Context) -> ProductState:
-    """Return the state without what was drawn on; curves stay where they have gone with it."""
-    curves = state.of_kind(Curve)
-    for curve in followed_curves(curves, canvases_of(state, context.sources)):
-        state = state.with_node(curve)
+    """Return the state without what was drawn on; curves stay where they have gone with it.
+
+    All commands get them there; see `all_commands`.
+    """
     parts = (*state.of_kind(RoughShape), *state.of_kind(FollowedShape))
     return state.without_nodes(*(part.id for part in parts))

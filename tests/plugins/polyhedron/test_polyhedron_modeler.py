@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import brep_mesh
 from bozzetto.ink import Stroke, is_one_view, on_canvas
 from bozzetto.plugin import Job
+from bozzetto.scene import Points
 from bozzetto.testing import Pen, Shell
 from bozzetto.view import Camera, turn, with_kind
 from bozzetto_polyhedron.model.assign_stroke import new_body, parted
@@ -478,3 +479,28 @@ def test_after_the_touch_it_is_told_what_came_of_it(shell):
     assert step.place is not None
     drawn(shell, "box")
     assert "Turn the view to see it" in TurnSolid().next_step(shell.state).sentence
+
+
+def test_marks_of_a_folded_sheet_stay_on_it_when_the_view_turns(shell):
+    """Three faces of a house without its hidden edges: its corners of two lines are told of."""
+    solid = OBJECTS["house"]
+    vertices = fitted(solid)
+    shell.open(POLYHEDRON)
+    shell.camera = VIEW
+    seen = np.delete(solid.edges, hidden_edges(solid, vertices, VIEW), axis=0)
+    shell.draw(*strokes_of(vertices, seen))
+    shell.run("next-answer")
+    (found,) = shell.solve().bodies.values()
+    assert found.graph.health
+    (layer,) = (one for one in shell.scene().layers if one.name == "findings")
+    (marks,) = (item for item in layer.items if isinstance(item, Points))
+    corners = found.answer.vertices
+    (body,) = shell.state.of_kind(Body)
+    there = body.placement.points(corners)
+    size = np.ptp(there, axis=0).max()
+    gaps = np.linalg.norm(np.asarray(marks.points)[:, None] - there, axis=2).min(axis=1)
+    assert gaps.max() < 0.02 * size
+    for tool in (TurnSolid(), DrawLines()):
+        place = tool.next_step(shell.state).place
+        assert place is not None
+        assert np.linalg.norm(there - place, axis=1).min() < 0.02 * size
