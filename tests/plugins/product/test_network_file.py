@@ -51,6 +51,7 @@ def test_a_box_closes_with_six_surfaces() -> None:
     told = report(box())
     assert told["closed"]
     assert told["joints"] == 8
+    assert told["surfaces"] == len(told["patches"]) == 6
     assert len(told["loops"]) == len(told["patches"]) == 6
     faces = {frozenset(loop) for loop in told["loops"]}
     assert frozenset(("ab", "bf", "ef", "ae")) in faces
