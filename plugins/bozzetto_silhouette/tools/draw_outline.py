@@ -12,6 +12,7 @@ from bozzetto.errors import Unfinished, UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink, NextStep, Tap, override
 from bozzetto.scene import Scene
+from bozzetto_silhouette.appearance.paint_layer import paint_in_part
 from bozzetto_silhouette.model.sketch_plane import FRONT_TOLERANCE, sheet_under
 from bozzetto_silhouette.model.state import Edit, Part, Removal, SilhouetteState
 from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet, rings_of, surrounds
@@ -219,15 +220,16 @@ def _taken_in(state: SilhouetteState, taken: list[Part], new: Part) -> Part:
     The rings keep their order, so that edits find theirs again.
     """
     first = taken[0]
-    strokes, edits = first.strokes, first.edits
+    strokes, edits, paint = first.strokes, first.edits, first.paint_strokes
     count = len(rings_of(first))
     for other in taken[1:]:
         back = tuple(stroke_in(state, first, stroke) for stroke in _as_seen(state, other))
         strokes = strokes.extended(back)
         edits = (*edits, *(_renumbered(state, first, other, edit, count) for edit in other.edits))
+        paint = (*paint, *paint_in_part(state, first, other))
         count += len(rings_of(other))
     around = tuple(stroke_in(state, first, stroke) for stroke in new.strokes)
-    return replace(first, strokes=strokes.extended(around), edits=edits)
+    return replace(first, strokes=strokes.extended(around), edits=edits, paint_strokes=paint)
 
 
 def _renumbered(state: SilhouetteState, first: Part, other: Part, edit: Edit, count: int) -> Edit:

@@ -157,10 +157,12 @@ def test_the_eraser_takes_the_part_under_it() -> None:
 
 
 @pytest.mark.parametrize(
-    "tool", [one for one in all_tools() if one.id != "paint"], ids=lambda tool: tool.id
+    "tool",
+    [one for one in all_tools() if one.id not in ("paint", "brush")],
+    ids=lambda tool: tool.id,
 )
 def test_the_eraser_does_the_same_with_every_tool(tool) -> None:
-    """But with paint, of which it takes the colour away."""
+    """But with paint, of which it takes the colour away, and with the brush."""
     state = drawn((LEFT,), (RIGHT,))
     over = Ink((PEN.but(tool="eraser").along([(670, 430), (730, 470)]),))
     assert tool.apply(state, over, CONTEXT).parts == state.parts[:1]
