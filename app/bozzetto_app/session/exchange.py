@@ -328,8 +328,15 @@ class Exchange(QObject):
 
             if is_mesh(path):
                 mesh = read_mesh_file(path, checkpoint=reading)
-                model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
-                return model, False, None, _told_of(mesh)
+                modeler = active or MESH_MODELER
+                drawing = bench.sources.ink_of_file(modeler, mesh, path.stem)
+                if drawing is None:
+                    model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
+                    return model, False, None, _told_of(mesh)
+                here = replace(context, camera=drawing.camera)
+                model = bench.sources.from_drawing(modeler, drawing, {}, here, job)
+                told = " ".join((*mesh.told(), *drawing.left_out))
+                return model, False, drawing.camera, Notice("error", told) if told else None
             with _as_file(path, content) as place:
                 ink = read_drawing(place, checkpoint=reading)
             ink = replace(ink, name=title or ink.name)

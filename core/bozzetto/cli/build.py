@@ -116,6 +116,8 @@ def _build_one(
     elif not source.is_dir() and is_mesh(source):
         mesh = read_mesh_file(source, trusted=options.trust_file)
         warn(mesh.told(values))
+        drawing = bench.sources.ink_of_file(modeler_id, mesh, source.stem)
+        mesh = mesh if drawing is None else None
     else:
         if not source.is_dir():
             find(source, readers())
