@@ -250,7 +250,7 @@ FORMATS: Final = (
     Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges", TRIMMED),
     Format(
         "cad",
-        "STEP and IGES bodies",
+        "STEP and IGES bodies and curves",
         (".step", ".stp", ".iges", ".igs"),
         ("mesh",),
         False,

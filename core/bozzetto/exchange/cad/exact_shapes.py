@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import Final
 
-from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_STROKES, at_most
+from bozzetto.exchange.limits import MAX_CONTROL_POINTS, MAX_PARTS, at_most
 from bozzetto.geometry.brep.brep import Brep
 from bozzetto.geometry.curve import Curve
+
+MOST_CURVES: Final = 5 * MAX_PARTS
+"""Curves that are looked at: half of ten seconds, as long as a file may take."""
 
 
 @dataclass
@@ -54,4 +58,4 @@ class ExactShapes:
             If there are too many.
         """
         self._asked += 1
-        at_most(self._asked, MAX_STROKES, "curves")
+        at_most(self._asked, MOST_CURVES, "curves")

@@ -159,25 +159,17 @@ def _delimiters(settings: str) -> tuple[str, str]:
 
 def _words(text: str, between: str, end: str) -> list[str]:
     """Return values; strings without the count before them."""
+    stop = re.compile(f"[^{re.escape(between + end)}]*+")
     found: list[str] = []
     at = 0
     while at < len(text):
         counted = COUNTED.match(text, at)
-        if counted is not None:
-            begin = counted.end()
-            last = min(begin + int(counted[1]), len(text))
-            found.append(text[begin:last])
-            at = last
-        else:
-            stops = [k for k in (text.find(between, at), text.find(end, at)) if k >= 0]
-            last = min(stops, default=len(text))
-            found.append(text[at:last].strip())
-            at = last
-        stop = [k for k in (text.find(between, at), text.find(end, at)) if k >= 0]
-        if not stop:
-            break
-        at = min(stop)
-        if text[at] == end:
+        begin = at if counted is None else counted.end()
+        last = begin if counted is None else min(begin + int(counted[1]), len(text))
+        plain = stop.match(text, last)
+        at = last if plain is None else plain.end()
+        found.append(text[begin:at].strip() if counted is None else text[begin:last])
+        if at == len(text) or text[at] == end:
             break
         at += 1
     return found

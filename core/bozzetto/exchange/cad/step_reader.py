@@ -69,8 +69,8 @@ NAMED_COLORS: Final[dict[str, Color]] = {
 MOST_STYLES: Final = 64
 """Instances that are looked at for the colour of one style."""
 
-LOOSE: Final = re.compile(rb"GEOMETRIC_(?:CURVE_)?SET|WIREFRAME_MODEL", re.IGNORECASE)
-"""What a file must hold to have curves beside its faces."""
+LOOSE: Final = re.compile(rb"GEOMETRIC_(?:CURVE_)?SET|WIREFRAME", re.IGNORECASE)
+"""What a file with faces must hold to have curves beside them."""
 
 FACES: Final = re.compile(rb"(?:ADVANCED_FACE|FACE_SURFACE|TESSELLATED_\w+|_FACE_SET)\s*\(", re.I)
 """What a file must hold to have faces."""
@@ -92,7 +92,7 @@ def read_exactly(data: bytes, *, bodies: bool) -> ExactShapes:
         If a curve is damaged, or there is too much.
     """
     found = ExactShapes()
-    loose = LOOSE.search(data) is not None
+    loose = LOOSE.search(data) is not None or FACES.search(data) is None
     if not loose and not bodies:
         return found
     with np.errstate(all="ignore"):  # what is not finite is refused where it is a curve
@@ -237,19 +237,20 @@ class _Step:
 
     def _add(self, item: int, name: str, color: Color | None) -> None:
         """Add what a set holds, sets in sets taken apart."""
-        waiting: list[tuple[Any, str, Color | None, int]] = [(item, name, color, 0)]
+        waiting: list[tuple[Any, str, Color | None]] = [(item, name, color)]
+        sets: set[int] = set()
         while waiting:
-            number, called, tint, depth = waiting.pop(0)
+            number, called, tint = waiting.pop()
             self._found.count()
-            at_most(depth, MAX_DEPTH, "levels of curves")
             tint = self._colors.get(number, tint)
             holder = self._of.record(number, *SETS, *WIRES)
             if holder is not None:
                 own = self._name(number) or called
                 inside = holder.values[1] if len(holder.values) > 1 else None
-                for one in inside if isinstance(inside, list) else [inside]:
-                    if isinstance(one, int):
-                        waiting.append((one, own, tint, depth + 1))
+                rows = inside if isinstance(inside, list) else [inside]
+                if number not in sets:  # one that holds itself holds nothing more
+                    sets.add(number)
+                    waiting += [(one, own, tint) for one in rows[::-1] if isinstance(one, int)]
                 continue
             if not any(record.kind in CURVES for record in self._of.records(number)):
                 continue
@@ -313,6 +314,8 @@ class _Step:
             shape, own = kinds[kind][1:6], kinds[kind][6:]
         degree = int(shape[0])
         points = np.array([self._point(one) for one in shape[1]])
+        if not 1 <= degree < len(points):
+            raise ValueError("a degree beyond the points")
         knots = _knots(kind, degree, len(points), own)
         weights = kinds.get("RATIONAL_B_SPLINE_CURVE", [None])[0]
         return checked_curve(degree, knots, points, weights, closed=shape[3] == "T")
