@@ -161,6 +161,9 @@ class HandoverDialog(Page):
         self._add_row(tr("Handover", "Triangle budget"), self.triangles)
         self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
         self.uvs = self._toggle(tr("Handover", "Texture coordinates (UVs)"), "uvs")
+        self.separate_parts = self._toggle(
+            tr("Handover", "Parts as separate objects"), "separate_parts"
+        )
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         kinds = [
             ("curves", tr("Handover", "Curves")),
@@ -214,6 +217,7 @@ class HandoverDialog(Page):
             hidden=_is_on(self.hidden),
             levels=_is_on(self.levels),
             uvs=_is_on(self.uvs),
+            separate_parts=_is_on(self.separate_parts),
         )
 
     @property
@@ -239,6 +243,7 @@ class HandoverDialog(Page):
             self.triangles: "triangles" in heeds,
             self.levels: "levels" in heeds,
             self.uvs: "uvs" in heeds,
+            self.separate_parts: "separate_parts" in heeds,
             self.lines: "lines" in heeds,
             self.hidden: "hidden" in heeds and self.lines.value != "curves",
         }
@@ -315,6 +320,7 @@ class HandoverDialog(Page):
             "hidden": self.hidden,
             "levels": self.levels,
             "uvs": self.uvs,
+            "separate_parts": self.separate_parts,
         }
         kept |= {key: "yes" if toggle.isChecked() else "" for key, toggle in toggles.items()}
         for key, value in kept.items():

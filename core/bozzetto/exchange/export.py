@@ -28,6 +28,7 @@ from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_ou
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
 from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
+from bozzetto.exchange.separate_parts import separate_parts
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.placement import Placement
@@ -289,6 +290,8 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     notes = _notes(chosen, ready, camera)
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
+    if wanted.separate_parts and "parts" in chosen.keeps:
+        written, *coarser = separate_parts([written, *coarser])
     if "uvs" in chosen.keeps:
         given |= {"uvs": wanted.uvs, "checkpoint": ready.checkpoint}
         if wanted.uvs:
@@ -381,6 +384,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
         found.append(f"{chosen.short} files hold no triangles, so that none were taken away.")
     if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
+    if wanted.separate_parts and "separate_parts" not in chosen.heeds:
+        found.append(f"{chosen.short} files hold objects whole. GLB, USD and OBJ part them.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:
         skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]
         if any(len(skin.clips) > 1 for skin in skins):
