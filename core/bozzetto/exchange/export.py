@@ -6,7 +6,7 @@ import contextlib
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -37,6 +37,9 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
 
+if TYPE_CHECKING:
+    from bozzetto.exchange.line_drawing.page import Page
+
 WRITERS: Final = writers("mesh", "surfaces", "curves")
 """Formats of shapes."""
 
@@ -60,6 +63,8 @@ class Exported:
         Files that it names, in the same folder, each with its name.
     notes : tuple of str
         Wishes that could not be fulfilled, a sentence each.
+    page : Page, optional
+        The drawing, where the file is one of edges and outlines, or a blueprint.
     """
 
     format: Format
@@ -68,6 +73,7 @@ class Exported:
     left_out: tuple[LeftOut, ...]
     beside: tuple[tuple[str, bytes], ...] = ()
     notes: tuple[str, ...] = ()
+    page: Page | None = None
 
     def warnings(self) -> tuple[str, ...]:
         """Warnings for the person, a sentence each."""
@@ -325,7 +331,7 @@ def _drawing(ready: Ready, chosen: Format, title: str, camera: Camera | None) ->
     unit = frame_of(chosen, wanted).unit if wanted.lines == "outlines" else MILLIMETRES.unit
     data = page_svg(page) if chosen.id == "svg" else page_dxf(page, unit)
     notes = _notes(chosen, ready, camera)
-    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes)
+    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes, page=page)
 
 
 def frame_of(chosen: Format, wanted: Handover) -> FileFrame:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.arrays import Index
 from bozzetto.exchange.mesh.creases import divided
@@ -81,7 +82,8 @@ def _piece(
     part: Solid | Surface, triangles: Index, name: str, groups: tuple[FaceGroup, ...]
 ) -> Solid | Surface:
     """Return some of the triangles of a part."""
-    kept, faces = np.unique(part.mesh.faces[triangles], return_inverse=True)
+    used, faces = np.unique(part.mesh.faces[triangles], return_inverse=True)
+    kept = used.astype(np.intp)
     corners = faces.reshape(-1, 3).astype(np.int32)
     mesh = _some(part.mesh, kept, corners)
     skin, texture, normals = part.skin, part.texture, part.normals
@@ -103,8 +105,12 @@ def _piece(
     )
 
 
-def _some(mesh: Mesh, kept: Index, faces: Index) -> Mesh:
+def _some(mesh: Mesh, kept: Index, faces: NDArray[np.int32]) -> Mesh:
     """Return the triangles of a mesh over some of its vertices."""
-    rows = (mesh.normals, mesh.colors, mesh.cover)
-    normals, colors, cover = (None if row is None else row[kept] for row in rows)
-    return Mesh(mesh.vertices[kept], faces.astype(np.int32), normals, colors, cover)
+    return Mesh(
+        mesh.vertices[kept],
+        faces,
+        None if mesh.normals is None else mesh.normals[kept],
+        None if mesh.colors is None else mesh.colors[kept],
+        None if mesh.cover is None else mesh.cover[kept],
+    )
