@@ -340,6 +340,7 @@ class Exchange(QObject):
         context, history, document = self._context.now(), drawing.history, drawing.document
 
         def work(job: Job) -> tuple[Model, bool, Camera | None, Notice | None]:
+            from bozzetto.exchange.cad.curves_drawing import are_flat
             from bozzetto.exchange.import_file import is_mesh, read_drawing, read_mesh_file
             from bozzetto.ink.drawing import MODELER_FACT
 
@@ -348,7 +349,8 @@ class Exchange(QObject):
 
             if is_mesh(path):
                 mesh = read_mesh_file(path, checkpoint=reading)
-                modeler = active or MESH_MODELER
+                curves = mesh.shapes.curves
+                modeler = active if active and curves and are_flat(curves) else MESH_MODELER
                 drawing = bench.sources.ink_of_file(modeler, mesh, path.stem)
                 if drawing is None:
                     model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)

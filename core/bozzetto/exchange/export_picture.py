@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.exchange.cad.cad_curves import points_on
+from bozzetto.exchange.cad.curves_drawing import line_of
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.scene.display_list import Layer, Lines, Scene
 from bozzetto.scene.part_display import shaded_part
@@ -41,7 +41,7 @@ def picture_of_shapes(
     """
     items = [item for part in shapes.meshes() for item in shaded_part(part)]
     lines = [
-        Lines(points_on(curve).astype(np.float32), color=curve.color or "ink")
+        Lines(line_of(curve).astype(np.float32), color=curve.color or "ink")
         for curve in shapes.curves
     ]
     scene = Scene((Layer("shapes", (*items, *lines)),))

@@ -14,7 +14,7 @@ from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.cad import cad_reader, iges_reader, step_reader
 from bozzetto.exchange.cad.cad_curves import checked_curves
 from bozzetto.exchange.cad.curve_pieces import ellipse_arc, joined, part_of, polyline
-from bozzetto.exchange.cad.curves_drawing import drawing_of_curves
+from bozzetto.exchange.cad.curves_drawing import are_flat, drawing_of_curves
 from bozzetto.exchange.cad.step_records import Instances
 from bozzetto.exchange.export import export
 from bozzetto.exchange.import_file import read_mesh_file
@@ -280,6 +280,8 @@ def test_ink_of_curves_is_seen_along_their_shortest_side():
         assert np.ptp(stroke.x) == pytest.approx(9.0, rel=1e-5)
         assert np.ptp(stroke.y) == pytest.approx(5.0, rel=1e-5)
         assert drawing.left_out == said
+        assert are_flat([one.placed(placement) for one in ring])
+    assert not are_flat([polyline([(0, 0, 0), (9, 8, 1)])])
     drawing = drawing_of_curves([polyline([(0, 0, 0), (9, 8, 1)])], "x")
     assert "as seen from above" in drawing.left_out[0]
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bozzetto.exchange.cad.curve_pieces import polyline
 from bozzetto.exchange.export import Ready, prepare_export
 from bozzetto.exchange.export_picture import picture_of_page, picture_of_shapes
 from bozzetto.exchange.handover import Handover
@@ -48,8 +49,13 @@ def test_what_lies_flat_is_seen_to_lie_and_what_is_thinned_to_be_thin():
 def test_curves_and_drawings_are_lines():
     places = np.array([[0, 0, 0], [30, 0, 0], [30, 20, 0], [0, 20, 9.0]])
     curve = Curve(3, np.array([0, 0, 0, 0, 1, 1, 1, 1.0]), places)
-    image = picture_of_shapes(Shapes(curves=(curve,)), LIGHT, SIZE)
-    assert 0.0 < (image[..., 3] > 0).mean() < 0.1
+    two = Shapes(curves=(curve, curve.with_knots([0, 0, 0, 0, 0.4, 0.5, 1, 1, 1, 1])))
+    along = polyline(curve.value(np.linspace(0.0, 1.0, 200)))
+    seen, expected = (
+        picture_of_shapes(shapes, LIGHT, SIZE)[..., 3] > 0
+        for shapes in (two, Shapes(curves=(along,)))
+    )
+    assert (seen & expected).sum() > 0.95 * (seen | expected).sum()
     for lines in ("outlines", "blueprint"):
         made = prepare_export(WORM, "a.svg", handover=Handover(lines=lines))
         assert made.page is not None

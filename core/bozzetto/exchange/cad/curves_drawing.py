@@ -42,7 +42,7 @@ def drawing_of_curves(curves: Sequence[Curve], name: str) -> Drawing:
     name : str
         Name of the drawing.
     """
-    lines = [_points(curve) for curve in curves]
+    lines = [line_of(curve) for curve in curves]
     at_most(sum(map(len, lines)), MAX_SAMPLES, "points")
     extent = np.ptp(np.concatenate(lines), axis=0)
     axis = max((2, 1, 0), key=lambda k: (bool(extent[k] <= extent.min() * (1.0 + 1e-9)), k))
@@ -59,7 +59,13 @@ def drawing_of_curves(curves: Sequence[Curve], name: str) -> Drawing:
     return replace(drawing, left_out=(told,))
 
 
-def _points(curve: Curve) -> Array:
+def are_flat(curves: Sequence[Curve]) -> bool:
+    """Whether curves lie in a plane of coordinates, or beside it."""
+    extent = np.ptp(np.concatenate([line_of(curve) for curve in curves]), axis=0)
+    return bool(extent.min() <= FLAT * extent.max())
+
+
+def line_of(curve: Curve) -> Array:
     """Return places on a curve that follow one another, (n, 3), mm."""
     if curve.degree == 1 and curve.is_clamped:
         return curve.control_points
