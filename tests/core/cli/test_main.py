@@ -148,7 +148,7 @@ def test_several_formats_come_of_one_solve(bozzetto, tmp_path):
     assert (tmp_path / "out" / "r.glb").stat().st_size > 0
     for more in (("--format", "stl"), ("-o", "r.stl"), ("-o", "out/")):
         process = bozzetto(*words, *more)
-        assert process.returncode == 1
+        assert process.returncode == 2
         assert "error:" in process.stderr
 
 
