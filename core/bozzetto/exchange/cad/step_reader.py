@@ -399,11 +399,10 @@ class _Step:
     # -- places --
 
     def _point(self, number: Any) -> Array:
-        record = self._of.record(number, "CARTESIAN_POINT")
-        if record is None:
+        found = self._of.point(number)
+        if found is None:
             raise CurveError("A point of this file is not there. Save it again.")
-        values = [*record.values[1], 0.0, 0.0][:3]
-        return self._millimetres * np.array(values, float)
+        return self._millimetres * np.array([*found, 0.0, 0.0][:3], float)
 
     def _vertex(self, number: Any) -> Array:
         record = self._of.record(number, "VERTEX_POINT")
@@ -594,8 +593,8 @@ def _axes(of: Instances, number: Any) -> tuple[Array, Array, Array, Array]:
     if record is None:
         raise CurveError("A place of this file is not there. Save it again.")
     values = [*record.values, None, None]
-    point = of.record(values[1], "CARTESIAN_POINT")
-    origin = np.array([*(point.values[1] if point is not None else ()), 0.0, 0.0, 0.0][:3], float)
+    point = of.point(values[1]) or []
+    origin = np.array([*point, 0.0, 0.0, 0.0][:3], float)
     flat = record.kind == "AXIS2_PLACEMENT_2D"
     z = None if flat or values[2] is None else _direction(of, values[2])
     aside = values[2] if flat else values[3]

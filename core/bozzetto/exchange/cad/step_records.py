@@ -20,6 +20,9 @@ MAX_INSTANCES: Final = 3_000_000
 MAX_VALUES: Final = 4_000_000
 """Values of one instance: a surface of a million control points has not as many."""
 
+KEPT: Final = 16
+"""Instances that stay taken apart: one is asked for several times in a row."""
+
 STATEMENT: Final = re.compile(rb"(?:[^';/]++|'[^']*+(?:'|\Z)|/\*.*?(?:\*/|\Z)|/)*+(?:;|\Z)", re.S)
 """Text up to a semicolon that is in no string and no comment; it always matches."""
 
@@ -35,6 +38,11 @@ WORD: Final = re.compile(
     r'|(?P<kind>[A-Za-z_!]\w{0,80})|(?P<sign>[(),$*])|(?P<bits>"[0-9A-Fa-f]*+"))'
 )
 """One word of a record."""
+
+POINT: Final = re.compile(
+    rb"CARTESIAN_POINT\s*+\(\s*+'[^'\\]*+'\s*+,\s*+\(([-+.,\dE \r\n]++)\)\s*+\)\s*+;", re.IGNORECASE
+)
+"""A point as most programs write it: most of a file are points."""
 
 ESCAPE: Final = re.compile(
     r"\\X2\\((?:[0-9A-Fa-f]{4})*+)\\X0\\|\\X4\\((?:[0-9A-Fa-f]{8})*+)\\X0\\"
@@ -79,6 +87,7 @@ class Instances:
     def __init__(self, data: bytes) -> None:
         self._texts: dict[int, bytes] = {}
         self._kinds: dict[str, list[int]] = {}
+        self._newest: dict[int, list[Record]] = {}
         for found in STATEMENT.finditer(data):
             head = HEAD.match(data, found.start(), found.end())
             if head is None:
@@ -113,8 +122,25 @@ class Instances:
 
     def records(self, number: object) -> list[Record]:
         """Return the records of an instance; none where there is no such instance."""
-        text = self._texts.get(number) if isinstance(number, Link | int) else None
-        return [] if text is None else _records(text)
+        if not isinstance(number, int):
+            return []
+        found = self._newest.get(number)
+        if found is None:
+            text = self._texts.get(number)
+            found = [] if text is None else _records(text)
+            if len(self._newest) >= KEPT:
+                self._newest.clear()
+            self._newest[number] = found
+        return found
+
+    def point(self, number: object) -> list[float] | None:
+        """Return the coordinates of a point; None where the instance is none."""
+        text = self._texts.get(number) if isinstance(number, int) else None
+        plain = None if text is None else POINT.fullmatch(text)
+        if plain is not None:
+            return [float(value) for value in plain[1].split(b",")]
+        record = self.record(number, "CARTESIAN_POINT")
+        return None if record is None else record.values[1]
 
     def record(self, number: object, *kinds: str) -> Record | None:
         """Return the first record of an instance that is of one of these kinds."""
@@ -137,7 +163,8 @@ def _records(text: bytes) -> list[Record]:
     while found := WORD.match(plain, at):
         at = found.end()
         count += 1
-        at_most(count, MAX_VALUES, "values")
+        if count > MAX_VALUES:
+            at_most(count, MAX_VALUES, "values")
         sign = found["sign"]
         if found["kind"]:
             kind = found["kind"].upper()
