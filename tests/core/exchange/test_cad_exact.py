@@ -390,6 +390,17 @@ def test_damaged_files_are_read_or_refused(tmp_path, ending, seed):
         assert all(np.isfinite(curve.control_points).all() for curve in found.curves)
 
 
+def test_iges_whose_entities_share_all_lines_is_refused_soon():
+    line = "110,0.,0.,0.,1.,1.,1.;".ljust(64) + "       1P      1"
+    entry = f"{110:>8}{1:>8}".ljust(72) + "D      1\n" + f"{110:>8}{0:>8}{0:>8}{9000:>8}".ljust(72)
+    rows = ["".ljust(72) + "S      1", "1H,,1H;;".ljust(72) + "G      1"]
+    data = "\n".join([*rows, *[entry + "D      2"] * 9000, *[line] * 9000]).encode()
+    began = time.process_time()
+    with pytest.raises(FormatError, match="lines of parameters"):
+        iges_reader.read_exactly(data, bodies=True)
+    assert time.process_time() - began < 10.0
+
+
 def test_strings_hold_their_signs():
     data = step(["#100=POLYLINE('it''s \\X2\\00E9\\X0\\ /* no; */ \\S\\i',(#10,#20));",
                  "#20 = CARTESIAN_POINT /* a; 'b */ ('',\n(4.,2.,3.));"])  # fmt: skip

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.cached_properties import cached_property
 from bozzetto.errors import FormatError, UserError
 from bozzetto.exchange.cad.curve_pieces import (
     CurveError,
@@ -64,9 +65,12 @@ COLORS: Final[dict[int, Color]] = {
 COUNTED: Final = re.compile(r"\s*(\d{1,6})H")
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Entry:
-    """An entity: the fields of its directory entry that matter, and its parameters."""
+    """An entity: the fields of its directory entry that matter, and its parameters.
+
+    These are taken apart when they are asked for: most files hold more surfaces than curves.
+    """
 
     kind: int
     form: int
@@ -74,7 +78,14 @@ class _Entry:
     color: int
     status: str
     label: str
-    values: tuple[str, ...]
+    lines: list[bytes]
+    ends: tuple[str, str]
+
+    @cached_property
+    def values(self) -> tuple[str, ...]:
+        """Its parameters, without the number of its kind."""
+        text = "".join(line.decode("latin-1") for line in self.lines)
+        return tuple(_words(text, *self.ends)[1:])
 
     @property
     def is_seen(self) -> bool:
@@ -120,26 +131,29 @@ def has_faces(data: bytes) -> bool:
 
 def _entries(data: bytes) -> tuple[dict[int, _Entry], list[str]]:
     """Return the entities of a file by the numbers of their directory entries, and its settings."""
-    sections: dict[str, list[str]] = {"G": [], "D": [], "P": []}
+    sections: dict[bytes, list[bytes]] = {b"G": [], b"D": [], b"P": []}
     for count, line in enumerate(data.splitlines()):
         at_most(count, 4 * MAX_ELEMENTS, "lines")
-        letter = line[72:73].decode("latin-1")
-        if letter in sections:
-            sections[letter].append(line[:72].decode("latin-1").ljust(72))
-    settings = "".join(sections["G"])
+        rows = sections.get(line[72:73])
+        if rows is not None:
+            rows.append(line)
+    settings = "".join(line[:72].decode("latin-1") for line in sections[b"G"])
     ends = _delimiters(settings)
     fields = _words(settings, *ends)
-    rows, parameters = sections["D"], sections["P"]
+    directory = [line[:72].decode("latin-1") for line in sections[b"D"]]
+    parameters = sections[b"P"]
     found: dict[int, _Entry] = {}
-    for at in range(0, len(rows) - 1, 2):
-        one, two = ([row[k : k + 8] for k in range(0, 72, 8)] for row in rows[at : at + 2])
+    total = 0
+    for at in range(0, len(directory) - 1, 2):
+        one, two = ([row[k : k + 8] for k in range(0, 72, 8)] for row in directory[at : at + 2])
         kind, first, count = _whole(one[0]), _whole(one[1]), _whole(two[3])
         begin = max(first - 1, 0)
-        text = "".join(row[:64] for row in parameters[begin : begin + max(count, 1)])
-        values = tuple(_words(text, *ends)[1:])
+        own = [line[:64] for line in parameters[begin : begin + max(count, 1)]]
+        total += len(own)
+        at_most(total, 4 * MAX_ELEMENTS, "lines of parameters")
         found[at + 1] = _Entry(
             kind, _whole(two[4]), _whole(one[6]), _whole(two[2]), one[8].strip().rjust(8, "0"),
-            two[7].strip(), values,
+            two[7].strip(), own, ends,
         )  # fmt: skip
     return found, fields
 
