@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Final, cast
 
 from PySide6.QtCore import QLocale, Qt, QTimer
-from PySide6.QtGui import QShowEvent
+from PySide6.QtGui import QImage, QPixmap, QShowEvent
 from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
@@ -19,9 +19,11 @@ from PySide6.QtWidgets import (
 from bozzetto.exchange.handover import SCALES, Handover, Lines, Unit, Up
 from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.exchange import PictureCanvas
 from bozzetto_app.session.format_order import offered_formats
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import FRAME
+from bozzetto_app.toolkit import palette_of
 from bozzetto_app.widgets.choice import Segments
 from bozzetto_app.widgets.number_field import NumberField
 from bozzetto_app.widgets.toggle import Toggle
@@ -42,6 +44,9 @@ PAUSE_MS: Final = 250
 
 COLUMNS: Final = 4
 """Formats in a row."""
+
+PICTURE: Final = (400, 160)
+"""Width and height of the picture, pixels of the window."""
 
 LIST_HEIGHT: Final = 96
 LABEL_WIDTH: Final = 120
@@ -73,6 +78,11 @@ class HandoverDialog(Page):
         self.state.setMinimumHeight(54)
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.column.addWidget(self.state)
+        self.picture = QLabel()
+        self.picture.setFixedHeight(PICTURE[1])
+        self.picture.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.picture.setAccessibleName(tr("Handover", "Picture of what will be written"))
+        self.column.addWidget(self.picture)
         self.in_sight.append(self.state)
         self.warning = label("", tone="warning")
         self.warning.hide()
@@ -161,6 +171,9 @@ class HandoverDialog(Page):
         self._add_row(tr("Handover", "Triangle budget"), self.triangles)
         self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
         self.uvs = self._toggle(tr("Handover", "Texture coordinates (UVs)"), "uvs")
+        self.separate_parts = self._toggle(
+            tr("Handover", "Parts as separate objects"), "separate_parts"
+        )
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         kinds = [
             ("curves", tr("Handover", "Curves")),
@@ -214,6 +227,7 @@ class HandoverDialog(Page):
             hidden=_is_on(self.hidden),
             levels=_is_on(self.levels),
             uvs=_is_on(self.uvs),
+            separate_parts=_is_on(self.separate_parts),
         )
 
     @property
@@ -239,6 +253,7 @@ class HandoverDialog(Page):
             self.triangles: "triangles" in heeds,
             self.levels: "levels" in heeds,
             self.uvs: "uvs" in heeds,
+            self.separate_parts: "separate_parts" in heeds,
             self.lines: "lines" in heeds,
             self.hidden: "hidden" in heeds and self.lines.value != "curves",
         }
@@ -262,7 +277,8 @@ class HandoverDialog(Page):
     def _look(self) -> None:
         endings = [self._offered[one].endings[0] for one in self.chosen]
         if endings and self.names != ():
-            self._session.files.exchange.foresee(endings, self.handover, self.names)
+            canvas = PictureCanvas(palette_of(self), PICTURE, self.devicePixelRatioF())
+            self._session.files.exchange.foresee(endings, self.handover, self.names, canvas)
 
     def _show(self, seen: Foreseen) -> None:
         if self._pause.isActive():
@@ -277,6 +293,12 @@ class HandoverDialog(Page):
         self.state.setText(
             tr("Handover", "{size} mm · {count} triangles", size=size, count=count) + f"\n{files}"
         )
+        if seen.picture is not None:
+            height, width = seen.picture.shape[:2]
+            pixels = seen.picture.tobytes()
+            image = QImage(pixels, width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
+            image.setDevicePixelRatio(width / PICTURE[0])
+            self.picture.setPixmap(QPixmap.fromImage(image))
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
@@ -297,6 +319,7 @@ class HandoverDialog(Page):
         )
 
     def _refuse(self, words: str) -> None:
+        self.picture.clear()
         self.state.setText(words)
         self.warning.hide()
 
@@ -315,6 +338,7 @@ class HandoverDialog(Page):
             "hidden": self.hidden,
             "levels": self.levels,
             "uvs": self.uvs,
+            "separate_parts": self.separate_parts,
         }
         kept |= {key: "yes" if toggle.isChecked() else "" for key, toggle in toggles.items()}
         for key, value in kept.items():

@@ -24,6 +24,11 @@ def add_handover(command: argparse.ArgumentParser) -> None:
         help="places for a picture to be painted on, one for all parts, in GLB, OBJ and USD",
     )
     group.add_argument(
+        "--separate-parts",
+        action="store_true",
+        help="each named part of an object as an object of its own, in GLB, OBJ and USD",
+    )
+    group.add_argument(
         "--lay-flat", action="store_true", help="lay it on its steadiest face, for printing"
     )
     group.add_argument(
@@ -55,6 +60,7 @@ def handover_of(options: argparse.Namespace) -> Any:
         hidden=options.hidden,
         levels=options.lods,
         uvs=options.uvs,
+        separate_parts=options.separate_parts,
     )
 
 

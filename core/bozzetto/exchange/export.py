@@ -6,7 +6,7 @@ import contextlib
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_ou
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
 from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
+from bozzetto.exchange.separate_parts import separate_parts
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.placement import Placement
@@ -35,6 +36,9 @@ from bozzetto.geometry.resting_place import lying_flat
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
+
+if TYPE_CHECKING:
+    from bozzetto.exchange.line_drawing.page import Page
 
 WRITERS: Final = writers("mesh", "surfaces", "curves")
 """Formats of shapes."""
@@ -59,6 +63,8 @@ class Exported:
         Files that it names, in the same folder, each with its name.
     notes : tuple of str
         Wishes that could not be fulfilled, a sentence each.
+    page : Page, optional
+        The drawing, where the file is one of edges and outlines, or a blueprint.
     """
 
     format: Format
@@ -67,6 +73,7 @@ class Exported:
     left_out: tuple[LeftOut, ...]
     beside: tuple[tuple[str, bytes], ...] = ()
     notes: tuple[str, ...] = ()
+    page: Page | None = None
 
     def warnings(self) -> tuple[str, ...]:
         """Warnings for the person, a sentence each."""
@@ -289,6 +296,8 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     notes = _notes(chosen, ready, camera)
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
+    if wanted.separate_parts and "parts" in chosen.keeps:
+        written, *coarser = separate_parts([written, *coarser])
     if "uvs" in chosen.keeps:
         given |= {"uvs": wanted.uvs, "checkpoint": ready.checkpoint}
         if wanted.uvs:
@@ -322,7 +331,7 @@ def _drawing(ready: Ready, chosen: Format, title: str, camera: Camera | None) ->
     unit = frame_of(chosen, wanted).unit if wanted.lines == "outlines" else MILLIMETRES.unit
     data = page_svg(page) if chosen.id == "svg" else page_dxf(page, unit)
     notes = _notes(chosen, ready, camera)
-    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes)
+    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes, page=page)
 
 
 def frame_of(chosen: Format, wanted: Handover) -> FileFrame:
@@ -381,6 +390,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
         found.append(f"{chosen.short} files hold no triangles, so that none were taken away.")
     if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
+    if wanted.separate_parts and "separate_parts" not in chosen.heeds:
+        found.append(f"{chosen.short} files hold objects whole. GLB, USD and OBJ part them.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:
         skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]
         if any(len(skin.clips) > 1 for skin in skins):

@@ -34,7 +34,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims"]
+Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims", "parts"]
 Choice = Literal["unit", "up"]
 
 
@@ -56,10 +56,10 @@ class Format:
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims"}
+    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims", "parts"}
         What is written of a mesh besides its shape: painted colours, the bones that it follows,
         all motions of these side by side, coarser levels of detail, places for a picture to come;
-        and whether faces of exact surfaces may be trimmed.
+        whether faces of exact surfaces may be trimmed, and objects in objects.
     flat : bool
         Shapes are written as seen through a camera.
     frame : FileFrame
@@ -96,7 +96,9 @@ class Format:
         of_meshes = ("triangles",) if "mesh" in self.holds else ()
         of_drawings = ("lines", "hidden") if self.draws else ()
         kept = {"levels", "uvs"}.intersection(self.keeps)
-        return frozenset(("scale", "lay_flat", *self.choices, *of_meshes, *of_drawings, *kept))
+        parts = ("separate_parts",) if "parts" in self.keeps else ()
+        always = ("scale", "lay_flat")
+        return frozenset((*always, *self.choices, *of_meshes, *of_drawings, *kept, *parts))
 
     @property
     def short(self) -> str:
@@ -109,7 +111,7 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 
 PAINTED: Final[tuple[Feature, ...]] = ("colors",)
 
-POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs")
+POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs", "parts")
 
 TRIMMED: Final[tuple[Feature, ...]] = ("trims",)
 
@@ -155,7 +157,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.glb",
-        ("colors", "bones", "motions", "levels", "uvs"),
+        ("colors", "bones", "motions", "levels", "uvs", "parts"),
         frame=METRES,
         links=True,
     ),
@@ -178,7 +180,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.obj",
-        ("colors", "uvs"),
+        ("colors", "uvs", "parts"),
         frame=UPRIGHT,
         choices=ANY,
         beside=True,
@@ -250,7 +252,7 @@ FORMATS: Final = (
     Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges", TRIMMED),
     Format(
         "cad",
-        "STEP and IGES bodies",
+        "STEP and IGES bodies and curves",
         (".step", ".stp", ".iges", ".igs"),
         ("mesh",),
         False,

@@ -109,6 +109,9 @@ class Handover:
     uvs : bool
         Whether parts without a picture are laid out flat for one, where the format has a place
         for that.
+    separate_parts : bool
+        Whether each named group of a mesh is an object of its own, where the format has objects
+        in objects.
 
     Raises
     ------
@@ -125,6 +128,7 @@ class Handover:
     hidden: bool = False
     levels: bool = False
     uvs: bool = False
+    separate_parts: bool = False
 
     def __post_init__(self) -> None:
         for value, known, word in (

@@ -248,3 +248,14 @@ def test_the_answer_to_a_choice_that_has_changed_is_not_shown(window, qtbot, mon
     assert [[ending for ending, _ in one.files] for one in seen] == [[".obj"]]
     assert "OBJ" in dialog.state.text()
     assert len(asked) == 2
+
+
+def test_the_dialog_shows_a_picture_of_what_is_chosen(window, settle, qtbot):
+    dialog = opened(window)
+    qtbot.waitUntil(lambda: not dialog.picture.pixmap().isNull(), timeout=20_000)
+    first = dialog.picture.pixmap().toImage()
+    assert first.height() <= 200 * dialog.devicePixelRatioF()
+    dialog.objects.item(1).setCheckState(Qt.CheckState.Unchecked)
+    qtbot.waitUntil(lambda: dialog.go.isEnabled(), timeout=20_000)
+    assert dialog.picture.pixmap().toImage() != first
+    dialog.reject()
