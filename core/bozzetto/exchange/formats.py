@@ -34,7 +34,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims"]
+Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims", "quads"]
 Choice = Literal["unit", "up"]
 
 
@@ -56,10 +56,10 @@ class Format:
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims"}
+    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims", "quads"}
         What is written of a mesh besides its shape: painted colours, the bones that it follows,
-        all motions of these side by side, coarser levels of detail, places for a picture to come;
-        and whether faces of exact surfaces may be trimmed.
+        all motions of these side by side, coarser levels of detail, places for a picture to come,
+        faces of four corners; and whether faces of exact surfaces may be trimmed.
     flat : bool
         Shapes are written as seen through a camera.
     frame : FileFrame
@@ -93,7 +93,7 @@ class Format:
     @property
     def heeds(self) -> frozenset[str]:
         """Names of what a `Handover` may wish that changes such a file."""
-        of_meshes = ("triangles",) if "mesh" in self.holds else ()
+        of_meshes = ("triangles", "quads") if "mesh" in self.holds else ()
         of_drawings = ("lines", "hidden") if self.draws else ()
         kept = {"levels", "uvs"}.intersection(self.keeps)
         return frozenset(("scale", "lay_flat", *self.choices, *of_meshes, *of_drawings, *kept))
@@ -109,7 +109,7 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 
 PAINTED: Final[tuple[Feature, ...]] = ("colors",)
 
-POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs")
+POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs", "quads")
 
 TRIMMED: Final[tuple[Feature, ...]] = ("trims",)
 
@@ -178,7 +178,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.obj",
-        ("colors", "uvs"),
+        ("colors", "uvs", "quads"),
         frame=UPRIGHT,
         choices=ANY,
         beside=True,
@@ -230,7 +230,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.ply",
-        PAINTED,
+        ("colors", "quads"),
         choices=ANY,
         links=True,
     ),

@@ -136,7 +136,7 @@ def lattice(
     pull[features.corner, 0] = pull[features.corner, 2] = FEATURE
     held = np.repeat(pull.reshape(-1, 2).max(axis=1), 2)
     matrix = csr_array(matrix + diags_array(held))
-    places = _solved(matrix, pull.ravel(), _pairs(edges, frames), steps, quarter, edges, count)
+    places = _solved(matrix, pull.ravel(), frames.weight, steps, quarter, edges, count)
     places = places.reshape(-1, 2, 2)
     angle = np.arctan2(places[..., 1], places[..., 0]) / (2 * np.pi)
     # The second vertex's angles in the first's frame.
@@ -147,10 +147,6 @@ def lattice(
     return Lattice(
         first, second, angle, step.astype(np.intp), np.abs(apart - step).max(axis=1)
     )
-
-
-def _pairs(edges: Edges, frames: Frames) -> Array:
-    return frames.weight
 
 
 def _solved(
@@ -172,16 +168,18 @@ def _solved(
         carrier, ends, weight, steps, quarter, fewer = _coarser(
             ends, weight, steps, quarter, count
         )
-        if fewer > 0.9 * count:
-            break
         matrix = csr_array(carrier.T @ matrix @ carrier)
         pull = carrier.T @ pull
         levels.append((matrix, pull))
         carriers.append(carrier)
-        count = fewer
+        stalls, count = fewer > 0.9 * count, fewer
+        if stalls:
+            break
     matrix, pull = levels[-1]
-    dense = matrix.toarray()
-    if pull.any():
+    dense = matrix.toarray() if count <= 4 * COARSEST else np.zeros((0, 0))
+    if not len(dense):  # what does not hang together is not joined
+        places = np.tile((1.0, 0.0), len(pull) // 2)
+    elif pull.any():
         places = np.linalg.lstsq(dense + 1e-9 * np.eye(len(dense)), pull, rcond=None)[0]
     else:
         places = np.linalg.eigh(dense)[1][:, 0]

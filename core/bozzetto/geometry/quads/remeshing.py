@@ -39,6 +39,15 @@ from bozzetto.geometry.quads.surface import (
 FINE: Final = 0.75
 """Longest edge of the surface that the lattice is laid on, in sides of squares."""
 
+FINER: Final = 0.4
+"""The same where there are few squares, among which each counts."""
+
+MOST_FINE: Final = 100
+"""So many triangles there may be for each quad."""
+
+MOST_MORE: Final = 4000
+"""And so many besides."""
+
 DENSE: Final = 24
 """With more triangles for a quad than this the surface is thinned out first."""
 
@@ -55,13 +64,25 @@ CLOSE: Final = 0.07
 """Share by which the number of quads may miss before the side of the squares is changed."""
 
 TRIES: Final = 3
-"""How often that is done."""
+"""How many sides are tried."""
+
+TORN: Final = 0.1
+"""Share of triangles from which other sides are tried, where there are few faces."""
+
+FEW: Final = 600
+"""So many are laid soon."""
+
+OTHERS: Final = (0.95, 1.05, 1.0)
+"""Shares of the usual side that are tried."""
 
 SMOOTHED: Final = 6
 """Rounds in which vertices go towards the middle of their neighbours."""
 
 MOST_DEVIATION: Final = 0.01
 """Distance of the surface from the quads, as a share of the diagonal, up to which they are one."""
+
+MEASURED: Final = 2000
+"""Vertices of the surface, evenly chosen, whose distance from the quads is measured."""
 
 FEWEST: Final = 6
 """A box has so many."""
@@ -78,7 +99,8 @@ class QuadMesh:
     quads : (q, 4) int
     triangles : (t, 3) int
     deviation : float
-        The largest distance of a vertex of the surface from the mesh, mm.
+        The largest distance of vertices of the surface from the mesh, of up to twice `MEASURED`
+        of them, mm.
     remeshed : bool
         Whether a lattice was laid; else pairs of triangles of the surface are joined.
     """
@@ -198,18 +220,25 @@ def _laid(
         Plane(plane.normal, (plane.offset - float(middle @ plane.normal)) / size) for plane in done
     ]
     side = USUAL_SIDE / np.sqrt(count)
-    best: tuple[Array, Index, Index] | None = None
+    best = None
     least = np.inf
-    for _ in range(TRIES):
+    sides = [side]
+    for turn in range(TRIES):
         checkpoint()
-        made = _at_scale(local, faces, dense, side, mirrors)
+        made = _at_scale(local, faces, dense, sides[turn], mirrors)
+        if made is None or not len(made[1]) + len(made[2]):
+            break
         found = len(made[1]) + len(made[2])
         miss = abs(np.log(found / count))
-        if miss < least:
-            best, least = made, miss
-        if least <= CLOSE:
+        cost = max(0.0, miss - CLOSE) + len(made[2]) / found
+        if cost < least:
+            best, least = made, cost
+        if miss > CLOSE:
+            sides.append(sides[turn] * np.sqrt(found / count))
+        elif len(made[2]) > TORN * found and count <= FEW:
+            sides.append(side * OTHERS[turn])  # between its edges others may fit better
+        else:
             break
-        side *= np.sqrt(found / count)
     if best is None:
         return None
     return best[0] * size + middle, best[1], best[2]
@@ -221,9 +250,16 @@ def _at_scale(
     dense: tuple[Array, Index, Index],
     side: float,
     planes: list[Plane],
-) -> tuple[Array, Index, Index]:
-    """Lay quads with sides of a length; return points, quads and triangles."""
-    points, faces, origin = refined(dense[0], dense[1], FINE * side)
+) -> tuple[Array, Index, Index] | None:
+    """Lay quads with sides of a length; return points, quads and triangles.
+
+    None where the surface is so thin that it is made of slivers at that length.
+    """
+    longest = (FINER if FEW * side**2 >= 1.0 else FINE) * side
+    fine = refined(dense[0], dense[1], longest, int(MOST_FINE / side**2) + MOST_MORE)
+    if fine is None:
+        return None
+    points, faces, origin = fine
     kind = dense[2][origin]
     edges = edges_of(faces)
     features = features_of(points, faces, kind, edges)
@@ -329,7 +365,8 @@ def _deviation(points: Array, place: Array, quads: Index, triangles: Index) -> f
     mesh = Mesh(place.astype(np.float32), _fans(quads, triangles).astype(np.int32))
     if not len(mesh.faces):
         return np.inf
-    return float(closest_on_mesh(mesh, points).distances.max(initial=0.0))
+    some = points[:: 1 + len(points) // MEASURED]
+    return float(closest_on_mesh(mesh, some).distances.max(initial=0.0))
 
 
 def _topology_of(made: tuple[Array, Index, Index]) -> tuple[int, ...]:

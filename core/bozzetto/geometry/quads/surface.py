@@ -71,14 +71,18 @@ def units(vectors: Array) -> Array:
     return vectors / np.where(length > 0.0, length, 1.0)
 
 
-def refined(points: Array, faces: Index, longest: float) -> tuple[Array, Index, Index]:
-    """Split edges in their middle until none is longer.
+def refined(
+    points: Array, faces: Index, longest: float, most: int
+) -> tuple[Array, Index, Index] | None:
+    """Split edges in their middle until none is longer; None where that takes too many triangles.
 
     Parameters
     ----------
     points : (n, 3) float
     faces : (f, 3) int
     longest : float
+    most : int
+        Triangles at most.
 
     Returns
     -------
@@ -95,6 +99,8 @@ def refined(points: Array, faces: Index, longest: float) -> tuple[Array, Index, 
         long = length > longest
         if not long.any():
             break
+        if len(faces) + 2 * int(long.sum()) > most:
+            return None
         middle = np.full(len(edges.ends), -1)
         middle[long] = len(points) + np.arange(int(long.sum()))
         points = np.concatenate((points, points[edges.ends[long]].mean(axis=1)))

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto.geometry.quads.surface import edges_of
 
 
 class TriangleGraph:
@@ -42,6 +43,10 @@ class TriangleGraph:
             self.features[a].add(b)
             self.features[b].add(a)
         self.corner: list[bool] = corner.tolist()
+        sides = edges_of(faces)
+        self.border: list[bool] = [False] * len(self.places)
+        for vertex in sides.ends[sides.faces[:, 1] < 0].ravel().tolist():
+            self.border[vertex] = True
 
     def neighbours(self, vertex: int) -> set[int]:
         """Return the vertices beside one."""
@@ -85,12 +90,10 @@ class TriangleGraph:
             return False  # the last triangle within a ring of features
         for face in shared:
             third = self.ring(face, gone, kept)
-            if len(self.around[third]) <= 3 and not self.features[third]:
+            if len(self.around[third]) <= (1 if self.border[third] else 3):
                 return False
-            # A feature along the other side falls onto a side that is none.
-            if third in self.features[gone] and third not in self.features[kept]:
-                continue
-        return len(self.around[gone]) + len(self.around[kept]) - 2 * len(shared) >= 3
+        left = len(self.around[gone]) + len(self.around[kept]) - 2 * len(shared)
+        return left >= (1 if self.border[kept] else 3)
 
     def collapse(self, gone: int, kept: int) -> None:
         """Move a vertex onto its neighbour."""
@@ -126,7 +129,7 @@ class TriangleGraph:
             return None
         if self.kind[one] != self.kind[other]:
             return None
-        if len(self.around[a]) <= 3 or len(self.around[b]) <= 3:
+        if any(len(self.around[v]) <= (1 if self.border[v] else 3) for v in (a, b)):
             return None
         return one, other, c, d
 
@@ -149,6 +152,7 @@ class TriangleGraph:
         self.around.append(set())
         self.features.append(set())
         self.corner.append(False)
+        self.border.append(len(self.around[a] & self.around[b]) == 1)
         for face in list(self.around[a] & self.around[b]):
             row = self.faces[face]
             number = len(self.kind)
