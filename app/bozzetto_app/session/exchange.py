@@ -265,9 +265,7 @@ class Exchange(QObject):
                 self._looked_at = document, names, objects
             asked = handover or AS_USUAL
             ready = Ready(objects.shapes, asked, job.checkpoint)
-            made = prepared_files(
-                objects, paths, camera, whole=False, handover=asked, ready=ready
-            )
+            made = prepared_files(objects, paths, camera, whole=False, handover=asked, ready=ready)
             return objects, made, ready
 
         return work

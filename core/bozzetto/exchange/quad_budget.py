@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, TypeVar
+from functools import partial
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ LEAST: Final = 24
 JOINTS: Final = 4
 """Joints that a vertex follows at most."""
 
-_Part = TypeVar("_Part", Solid, Surface)
+STEP: Final = "Quads"
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def within_quads(
     laid: list[QuadMesh] = []
     for number, (part, share) in enumerate(zip(parts, _shares(sizes, count), strict=True)):
         done = number / len(parts)
-        quads = _laid(part, share, lambda done=done: checkpoint(done, "Quads"))
+        quads = _laid(part, share, partial(checkpoint, done, STEP))
         laid.append(quads)
         made.append(_of_quads(part, quads))
     return Quadrangulated(
@@ -116,7 +117,7 @@ def _laid(part: Solid | Surface, count: int, checkpoint: Callable[[], None]) -> 
     return quad_dominant(_base(part), count, _groups(part), checkpoint)
 
 
-def _of_quads(part: _Part, made: QuadMesh) -> _Part:
+def _of_quads(part: Solid | Surface, made: QuadMesh) -> Solid | Surface:
     """Return a part of quads: two triangles each, and then those that are none."""
     base = _base(part)
     if not len(base.faces):
@@ -160,7 +161,8 @@ def _owners(base: Mesh, points: Array, faces: NDArray[np.int32], groups: Index) 
 def _mixed(values: NDArray[np.uint8], mesh: Mesh, places: MeshPlaces) -> NDArray[np.uint8]:
     """Return values of vertices (v, k) at places."""
     corners = values[mesh.faces[places.faces]].astype(np.float64)
-    return np.rint(np.einsum("nc,nck->nk", places.weights, corners)).astype(np.uint8)
+    mixed = np.rint(np.einsum("nc,nck->nk", places.weights, corners))
+    return np.asarray(mixed, np.uint8)
 
 
 def _colors(mesh: Mesh, places: MeshPlaces) -> NDArray[np.uint8] | None:

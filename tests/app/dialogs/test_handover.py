@@ -146,7 +146,8 @@ def test_what_no_chosen_format_heeds_is_grey_and_kept_for_those_that_do(window, 
 def test_settings_that_anybody_wrote_do_not_stop_the_dialog(window, qtbot, wrong):
     from bozzetto_app.settings import settings
 
-    for key in ("formats", "unit", "up", "scale", "triangles", "quads", "mesh", "lines", "lay_flat"):
+    keys = "formats unit up scale triangles quads mesh lines lay_flat"
+    for key in keys.split():
         settings().setValue(f"handover/{key}", wrong)
     dialog = opened(window)
     ready(qtbot, dialog)

@@ -18,6 +18,7 @@ def corner_runs(
     Parameters
     ----------
     part : Solid or Surface
+        Its faces are asked for.
     begin, end : int
         Its triangles from the first up to the second, which begins a face.
     laid : (f, 3, 2) float32 array, optional

@@ -7,16 +7,19 @@ one: what remains are triangles between nodes, of the same genus. Pairs of them 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
-from bozzetto.geometry.quads.mirrors import Plane
-from bozzetto.geometry.quads.position_field import Lattice
-from bozzetto.geometry.quads.surface import Edges, Features
 from bozzetto.geometry.quads.triangle_graph import TriangleGraph
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bozzetto.arrays import Array, Flags, Index
+    from bozzetto.geometry.quads.mirrors import Plane
+    from bozzetto.geometry.quads.position_field import Lattice
+    from bozzetto.geometry.quads.surface import Edges, Features
 
 SHORT: Final = 0.55
 """Edges shorter than so many sides are collapsed."""
@@ -63,9 +66,11 @@ def nodes(
                 continue
             if graph.corner[u] or (graph.features[u] and not graph.features[v]):
                 u, v = v, u
-            elif len(members[u]) > len(members[v]) and bool(graph.features[u]) == bool(
-                graph.features[v]
-            ) and not graph.corner[v]:
+            elif (
+                len(members[u]) > len(members[v])
+                and bool(graph.features[u]) == bool(graph.features[v])
+                and not graph.corner[v]
+            ):
                 u, v = v, u
             if not (graph.around[u] & graph.around[v]):
                 left.append((a, b))
@@ -79,9 +84,7 @@ def nodes(
         if not done:
             break
         pending = left
-    node = points - side * (
-        found.shift[:, :1] * found.first + found.shift[:, 1:] * found.second
-    )
+    node = points - side * (found.shift[:, :1] * found.first + found.shift[:, 1:] * found.second)
     for vertex in range(len(points)):
         if leader[vertex] != vertex or graph.corner[vertex]:
             continue
@@ -165,7 +168,7 @@ def _flip(graph: TriangleGraph) -> int:
             found = graph.may_flip(a, b)
             if found is None:
                 continue
-            one, other, c, d = found
+            _one, _other, c, d = found
             p, q, r, s = (graph.places[v] for v in (a, b, c, d))
             if _angle(r, p, q) + _angle(s, p, q) <= math.pi + 0.05:
                 continue

@@ -51,6 +51,7 @@ def mirror_planes(points: Array, faces: Index) -> list[Plane]:
     points : (n, 3) float
         All in use.
     faces : (f, 3) int
+        Triangles.
     """
     from scipy.spatial import cKDTree
 
@@ -83,6 +84,7 @@ def half(
     points, faces, kind
         Of the surface: (n, 3), (f, 3), and a group for each triangle, (f,).
     plane : Plane
+        Through the surface.
     reach : float
         Up to this distance vertices are moved onto the plane.
 
@@ -139,9 +141,11 @@ def with_image(
     Parameters
     ----------
     points : (n, 3) float
+        Of the half.
     rings : list of (k, m) int
         Faces of several sizes m.
     plane : Plane
+        The mirror.
     on : (n,) bool
         Vertices that both share: they are put onto the plane.
 

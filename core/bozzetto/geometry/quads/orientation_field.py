@@ -72,9 +72,7 @@ def frames_of(points: Array, faces: Index, edges: Edges) -> Frames:
         angle = np.arctan2(outer, inner)
         cotangents[:, (k + 1) % 3] = inner / np.where(outer > 0.0, outer, 1.0)
         for axis in range(3):
-            normal[:, axis] += np.bincount(
-                faces[:, k], angle * units(large)[:, axis], len(points)
-            )
+            normal[:, axis] += np.bincount(faces[:, k], angle * units(large)[:, axis], len(points))
     normal = units(normal)
     lost = (normal == 0).all(axis=1)
     normal[lost] = (0.0, 0.0, 1.0)
@@ -125,8 +123,8 @@ def orientations(
     rows = np.concatenate((i, j, i, j))
     columns = np.concatenate((i, j, j, i))
     values = np.concatenate((weight, weight, -weight * carry.conj(), -weight * carry))
-    matrix = coo_array((values, (rows, columns)), shape=(count, count))
-    matrix = csc_array(matrix + diags_array(strength + FLOOR))
+    smooth = coo_array((values, (rows, columns)), shape=(count, count))
+    matrix = csc_array(smooth + diags_array(strength + FLOOR))
     solved: Any = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     found = solved.solve((strength + FLOOR) * wanted)
     return np.asarray(np.angle(found) / 4.0)
@@ -167,7 +165,7 @@ def _bends(points: Array, faces: Index, edges: Edges, frames: Frames) -> tuple[C
     i, j = edges.ends.T
     ones = np.ones(2 * len(i) + count)
     every = np.arange(count)
-    mixing = csr_array(
+    mixing: Any = csr_array(
         (ones, (np.concatenate((i, j, every)), np.concatenate((j, i, every)))), (count, count)
     )
     own_share = share.copy()

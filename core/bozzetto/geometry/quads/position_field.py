@@ -11,13 +11,15 @@ field-aligned meshes*.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
-from bozzetto.geometry.quads.orientation_field import Frames
-from bozzetto.geometry.quads.surface import Edges, Features
+from bozzetto.arrays import Array, Index
+
+if TYPE_CHECKING:
+    from bozzetto.geometry.quads.orientation_field import Frames
+    from bozzetto.geometry.quads.surface import Edges, Features
 
 FEATURE: Final = 10.0
 """How much it counts that a feature is a line of the lattice."""
@@ -80,6 +82,7 @@ def lattice(
     Parameters
     ----------
     points : (n, 3) float
+        Vertices.
     edges, features, frames
         Of the surface.
     angles : (n,) float
@@ -98,9 +101,7 @@ def lattice(
     along = points[j] - points[i]
     there = (first[j], second[j], -first[j], -second[j])
     # The second vertex's directions as they stand to the first's.
-    like = np.choose(
-        quarter[:, None], (there[0], -there[1], -there[0], there[1])
-    )
+    like = np.choose(quarter[:, None], (there[0], -there[1], -there[0], there[1]))
     like2 = np.choose(quarter[:, None], (there[1], there[0], -there[1], -there[0]))
     steps = 0.5 / side * np.column_stack((
         np.einsum("ij,ij->i", along, first[i] + like),
@@ -122,9 +123,7 @@ def lattice(
             values.append(-weight * value)
     shape = (4 * len(i), 4 * count)
     gradient = csr_array(
-        coo_array(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape
-        )
+        coo_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape)
     )
     matrix = csr_array(gradient.T @ gradient)
     pull = np.zeros((count, 4))
@@ -144,9 +143,7 @@ def lattice(
     theirs = np.arctan2(turned[:, 1::2], turned[:, ::2]) / (2 * np.pi)
     apart = angle[i] + steps - theirs
     step = np.rint(apart)
-    return Lattice(
-        first, second, angle, step.astype(np.intp), np.abs(apart - step).max(axis=1)
-    )
+    return Lattice(first, second, angle, step.astype(np.intp), np.abs(apart - step).max(axis=1))
 
 
 def _solved(
@@ -165,9 +162,7 @@ def _solved(
     carriers: list[Any] = []
     ends = edges.ends
     while count > COARSEST:
-        carrier, ends, weight, steps, quarter, fewer = _coarser(
-            ends, weight, steps, quarter, count
-        )
+        carrier, ends, weight, steps, quarter, fewer = _coarser(ends, weight, steps, quarter, count)
         matrix = csr_array(carrier.T @ matrix @ carrier)
         pull = carrier.T @ pull
         levels.append((matrix, pull))
@@ -285,11 +280,10 @@ def _coarser(
     order = np.lexsort((-w, low * np.int64(fewer) + high))
     key = (low * np.int64(fewer) + high)[order]
     first = np.r_[True, key[1:] != key[:-1]] if len(key) else np.zeros(0, bool)
-    total = np.bincount(np.cumsum(first) - 1, w[order]) if len(key) else np.zeros(0)
+    total = np.bincount(np.cumsum(first) - 1, w[order]).astype(np.float64)
     top = order[first]
-    return (
-        carrier, np.column_stack((low[top], high[top])), total, moved[top], turn[top], fewer,
-    )  # fmt: skip
+    pairs = np.asarray(np.column_stack((low[top], high[top])), np.intp)
+    return carrier, pairs, total, moved[top], np.asarray(turn[top], np.intp), fewer
 
 
 def _turned(steps: Array, quarter: Index) -> Array:

@@ -6,13 +6,12 @@ only where the mesh stays one. Where a surface is its own mirror image, one half
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.decimation import decimated
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.mesh_places import MeshPlaces, closest_on_mesh
@@ -36,6 +35,9 @@ from bozzetto.geometry.quads.surface import (
     units,
 )
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 FINE: Final = 0.75
 """Longest edge of the surface that the lattice is laid on, in sides of squares."""
 
@@ -48,7 +50,7 @@ MOST_FINE: Final = 100
 MOST_MORE: Final = 4000
 """And so many besides."""
 
-DENSE: Final = 24
+DENSE: Final = 40
 """With more triangles for a quad than this the surface is thinned out first."""
 
 THINNED: Final = 16
@@ -75,11 +77,14 @@ FEW: Final = 600
 OTHERS: Final = (0.95, 1.05, 1.0)
 """Shares of the usual side that are tried."""
 
-SMOOTHED: Final = 6
+SMOOTHED: Final = 4
 """Rounds in which vertices go towards the middle of their neighbours."""
 
 MOST_DEVIATION: Final = 0.01
 """Distance of the surface from the quads, as a share of the diagonal, up to which they are one."""
+
+FOLDED: Final = 0.05
+"""Quality below which a quad becomes two triangles: it has an angle of nearly 180°, or more."""
 
 MEASURED: Final = 2000
 """Vertices of the surface, evenly chosen, whose distance from the quads is measured."""
@@ -279,11 +284,12 @@ def _at_scale(
         Mesh(local.astype(np.float32), given.astype(np.int32)),
         points[features.edges],
     )  # fmt: skip
-    return place, quads, triangles
+    folded = qualities(place, quads) < FOLDED
+    return place, quads[~folded], np.concatenate((triangles, _fans(quads[folded], triangles[:0])))
 
 
 def _smoothed(
-    place: Array, quads: Index, triangles: Index, lines: Index, corner: Array, surface: Mesh,
+    place: Array, quads: Index, triangles: Index, lines: Index, corner: Flags, surface: Mesh,
     features: Array,
 ) -> Array:  # fmt: skip
     """Move vertices towards the middle of their neighbours, on the surface and along features."""
@@ -324,14 +330,14 @@ def _smoothed(
     return place
 
 
-def _among(ends: Index, lines: Index, count: int) -> Array:
+def _among(ends: Index, lines: Index, count: int) -> Flags:
     """Whether edges (e, 2), sorted, are among others (k, 2)."""
     own = np.sort(lines, axis=1)
     return np.isin(ends[:, 0] * count + ends[:, 1], own[:, 0] * count + own[:, 1])
 
 
 def _onto(
-    place: Array, faces: Index, surface: Mesh, features: Array, on_line: Array, corner: Array
+    place: Array, faces: Index, surface: Mesh, features: Array, on_line: Flags, corner: Flags
 ) -> Array:
     """Return the nearest places on the surface, or on its features."""
     made = place.copy()
@@ -351,7 +357,7 @@ def _normals(place: Array, faces: Index) -> Array:
     total = np.column_stack([
         np.bincount(faces.ravel(), np.repeat(large[:, axis], 3), len(place)) for axis in range(3)
     ])  # fmt: skip
-    return units(total)
+    return units(np.asarray(total, np.float64))
 
 
 def _fans(quads: Index, triangles: Index) -> Index:
@@ -379,7 +385,7 @@ def _topology(edges: Edges, faces: Index) -> tuple[int, ...]:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    used, corners = np.unique(faces, return_inverse=True)
+    used, _corners = np.unique(faces, return_inverse=True)
     place = np.full(int(faces.max(initial=-1)) + 1, -1)
     place[used] = np.arange(len(used))
     euler = len(used) - len(edges.ends) + len(faces)
@@ -387,7 +393,8 @@ def _topology(edges: Edges, faces: Index) -> tuple[int, ...]:
 
     def pieces(ends: Index) -> Index:
         i, j = place[ends].T
-        return connected_components(coo_array((np.ones(len(i)), (i, j)), shape), directed=False)[1]
+        joined = coo_array((np.ones(len(i)), (i, j)), shape)
+        return np.asarray(connected_components(joined, directed=False)[1], np.intp)
 
     border = edges.ends[edges.faces[:, 1] < 0]
     rings = pieces(border)[place[np.unique(border)]]

@@ -54,9 +54,7 @@ def edges_of(faces: Index) -> Edges:
     beside[which, 1] = face
     beside[:, 0] = face[first]
     beside[count == 1, 1] = -1
-    return Edges(
-        np.column_stack(np.divmod(keys, span)), beside, count > 2, which.reshape(-1, 3)
-    )
+    return Edges(np.column_stack(np.divmod(keys, span)), beside, count > 2, which.reshape(-1, 3))
 
 
 def across(points: Array, faces: Index) -> Array:
@@ -79,8 +77,11 @@ def refined(
     Parameters
     ----------
     points : (n, 3) float
+        Vertices.
     faces : (f, 3) int
+        Triangles.
     longest : float
+        In the unit of the points.
     most : int
         Triangles at most.
 
@@ -169,7 +170,9 @@ def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Featu
     Parameters
     ----------
     points : (n, 3) float
+        Vertices.
     faces : (f, 3) int
+        Triangles.
     kind : (f,) int
         Group of each triangle.
     edges : Edges

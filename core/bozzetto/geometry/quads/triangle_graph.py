@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry.quads.surface import edges_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from bozzetto.arrays import Array, Flags, Index
 
 
 class TriangleGraph:

@@ -205,7 +205,9 @@ def test_borders_between_groups_are_kept():
     upper = (places[faces][:, :, 2].mean(axis=1) > 3).astype(int)
     made = quad_dominant(mesh_of(places, faces), 400, upper)
     sides = {
-        tuple(sorted(side)): set() for row in faces.tolist() for side in zip(row, row[1:] + row[:1])
+        tuple(sorted(side)): set()
+        for row in faces.tolist()
+        for side in zip(row, row[1:] + row[:1], strict=True)
     }
     for row, group in zip(faces.tolist(), upper.tolist(), strict=True):
         for side in zip(row, row[1:] + row[:1], strict=True):
