@@ -65,6 +65,9 @@ CHORD: Final = 0.02
 CLOSE: Final = 0.07
 """Share by which the number of quads may miss before the side of the squares is changed."""
 
+MISSES: Final = 10.0
+"""How much it counts that the number is missed by more, beside the share of triangles."""
+
 TRIES: Final = 3
 """How many sides are tried."""
 
@@ -235,7 +238,7 @@ def _laid(
             break
         found = len(made[1]) + len(made[2])
         miss = abs(np.log(found / count))
-        cost = max(0.0, miss - CLOSE) + len(made[2]) / found
+        cost = MISSES * max(0.0, miss - CLOSE) + len(made[2]) / found
         if cost < least:
             best, least = made, cost
         if miss > CLOSE:
