@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
 
 WRITERS: Final = writers("mesh", "surfaces", "curves")
 """Formats of shapes."""
+
+FAR: Final = 0.01
+"""Distance of quads from the shape that is told, as a share of its diagonal."""
 
 MISSED: Final = 0.1
 """Share by which the number of quads may miss before it is told."""
@@ -408,7 +412,7 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
                 f"{chosen.short} files play one motion: the first. The others lie beside it."
             )
     if "mesh" in chosen.holds and ready.quads is not None:
-        found += _quad_notes(chosen, ready.quads, wanted.quads or 0)
+        found += _quad_notes(chosen, ready.quads, wanted.quads or 0, math.hypot(*ready.size))
     if "mesh" in chosen.holds and wanted.triangles is not None:
         count = triangle_count(ready.triangles)
         if count > wanted.triangles:
@@ -419,8 +423,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
     return tuple(found)
 
 
-def _quad_notes(chosen: Format, made: Quadrangulated, wanted: int) -> list[str]:
-    """Return sentences about quads that are not as they are wanted."""
+def _quad_notes(chosen: Format, made: Quadrangulated, wanted: int, size: float) -> list[str]:
+    """Return sentences about quads that are not as they are wanted, on shapes of a size, mm."""
     found = []
     if "quads" not in chosen.keeps:
         found.append(
@@ -432,6 +436,11 @@ def _quad_notes(chosen: Format, made: Quadrangulated, wanted: int) -> list[str]:
         found.append(
             f"It has {count:,} faces, not {wanted:,}: its edges and holes leave no other number. "
             "Ask for more, or for fewer parts."
+        )
+    if made.deviation > FAR * size:
+        found.append(
+            f"Its quads lie up to {made.deviation:.3g} mm from the shape, at its thinnest places. "
+            "Ask for more quads."
         )
     if made.joined:
         names = ", ".join(f"“{name}”" for name in made.joined[:3])

@@ -65,6 +65,9 @@ CHORD: Final = 0.02
 CLOSE: Final = 0.07
 """Share by which the number of quads may miss before the side of the squares is changed."""
 
+PAIRED: Final = 1.6
+"""Triangles for each face where they are joined in pairs: some find no partner."""
+
 MISSES: Final = 10.0
 """How much it counts that the number is missed by more, beside the share of triangles."""
 
@@ -85,6 +88,9 @@ SMOOTHED: Final = 4
 
 MOST_DEVIATION: Final = 0.01
 """Distance of the surface from the quads, as a share of the diagonal, up to which they are one."""
+
+COARSE: Final = 0.35
+"""Distance up to which they are one where they are few, in sides of squares."""
 
 FOLDED: Final = 0.05
 """Quality below which a quad becomes two triangles: it has an angle of nearly 180°, or more."""
@@ -160,7 +166,8 @@ def quad_dominant(
             if made is not None and _topology_of(made) == whole:
                 deviation = _deviation(points, *made)
                 diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-                if deviation <= MOST_DEVIATION * diagonal:
+                side = np.sqrt(_area(points, faces) / max(count, FEWEST))
+                if deviation <= max(MOST_DEVIATION * diagonal, COARSE * side):
                     return QuadMesh(*made, deviation, remeshed=True)
     return _pairs_of(points, faces, kind, count)
 
@@ -168,7 +175,7 @@ def quad_dominant(
 def _pairs_of(points: Array, faces: Index, kind: Index, count: int) -> QuadMesh:
     """Join triangles in pairs, after taking away what is too many."""
     mesh = Mesh(points.astype(np.float32), faces.astype(np.int32))
-    fewer = decimated(mesh, 2 * count, kind)
+    fewer = decimated(mesh, int(PAIRED * count), kind)
     kept, corners = points[fewer.vertices], fewer.faces.astype(np.intp)
     edges = edges_of(corners)
     features = features_of(kept, corners, fewer.groups, edges)
@@ -210,7 +217,7 @@ def _laid(
             return None  # both halves would have that edge
         own, (quads, triangles) = with_image(own, [quads, triangles], plane, on)
         return own, quads, triangles
-    area = 0.5 * float(np.linalg.norm(across(points, faces), axis=1).sum())
+    area = _area(points, faces)
     if not area > 0.0:
         return None
     # In units of its own size: the same whatever the unit and the place.
@@ -353,6 +360,10 @@ def _onto(
         lines = Mesh(flat.astype(np.float32), np.arange(len(flat), dtype=np.int32).reshape(-1, 3))
         made[bound] = closest_on_mesh(lines, place[bound]).points(lines)
     return made
+
+
+def _area(points: Array, faces: Index) -> float:
+    return 0.5 * float(np.linalg.norm(across(points, faces), axis=1).sum())
 
 
 def _normals(place: Array, faces: Index) -> Array:
