@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import struct
 from collections import Counter
+from functools import cache
 
 import numpy as np
 import pytest
@@ -30,6 +31,12 @@ def egg(**more):
     places, faces = shaken(*ball((10.0, 20.0, 30.0), rows=12))
     order = np.argsort(places[faces][:, :, 2].mean(axis=1), kind="stable")
     return Solid(Mesh(places.astype(np.float32), faces[order].astype(np.int32)), "egg", **more)
+
+
+@cache
+def plain():
+    """The egg of quads, laid once for all who look at it."""
+    return made_of(egg())
 
 
 def made_of(solid, count=300):
@@ -58,7 +65,7 @@ def sizes_in(data, ending):
 
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_formats_of_polygons_hold_quads_and_the_others_say_that_they_are_triangles(ending):
-    made = made_of(egg())
+    made = plain()
     file = prepare_export(Shapes((egg(),)), f"a.{ending}", handover=Handover(quads=300))
     if ending in ("obj", "ply", "usda"):
         assert sizes_in(file.data, ending) == Counter({4: made.quads, 3: made.triangles})
@@ -75,7 +82,7 @@ def test_what_is_written_comes_back_as_large_and_closed(tmp_path, ending):
     path = tmp_path / f"a.{ending}"
     file.write(path)
     back = next(read_mesh(path).meshes()).mesh
-    want = made_of(egg()).shapes.solids[0].mesh
+    want = plain().shapes.solids[0].mesh
     assert len(back.faces) == len(want.faces)
     assert np.sort(np.ptp(back.vertices, axis=0)) == pytest.approx(
         np.sort(np.ptp(want.vertices, axis=0)), rel=1e-5
@@ -148,7 +155,7 @@ def test_a_picture_goes_and_that_is_told():
 def test_places_for_a_picture_leave_most_quads_whole():
     file = prepare_export(Shapes((egg(),)), "a.obj", handover=Handover(quads=300, uvs=True))
     found = sizes_in(file.data, "obj")
-    made = made_of(egg())
+    made = plain()
     assert found[4] * 2 + found[3] == made.quads * 2 + made.triangles
     assert found[4] > 0.8 * made.quads
     usd = prepare_export(Shapes((egg(),)), "a.usda", handover=Handover(quads=300, uvs=True))
@@ -165,7 +172,7 @@ def test_parts_share_the_number_by_their_area():
 
 def test_mirrored_parts_are_written_the_right_way_round():
     """A placement that mirrors reverses triangles; the quads are the same ones, reversed."""
-    made = made_of(egg()).shapes
+    made = plain().shapes
     mirror = Placement((-1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
     from bozzetto.exchange.mesh.ply import write_shapes
 
