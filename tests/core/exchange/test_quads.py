@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bozzetto.cli import main
+from bozzetto.cli.main import main
 from bozzetto.errors import UserError
 from bozzetto.exchange.export import prepare_export
 from bozzetto.exchange.handover import Handover
@@ -203,7 +203,7 @@ def test_what_cannot_be_is_refused(wrong):
 def test_formats_without_meshes_say_that_they_hold_no_quads(tmp_path):
     from bozzetto.geometry.shapes import Curve
 
-    line = Curve(np.array([(0, 0, 0), (1, 0, 0.0)]), 1, np.array((0, 0, 1, 1.0)))
+    line = Curve(1, np.array((0, 0, 1, 1.0)), np.array([(0, 0, 0), (1, 0, 0.0)]))
     file = prepare_export(Shapes(curves=(line,)), "a.dxf", handover=Handover(quads=300))
     assert any("no quads" in note for note in file.notes)
 
