@@ -29,6 +29,8 @@ SAMPLES = (
     ("bozzetto.silhouette", "key"),
     ("bozzetto.symmetry", "boat"),
     ("bozzetto.car", "hatchback"),
+    ("bozzetto.product", "mouse"),
+    ("bozzetto.polyhedron", "house"),
 )
 
 SPANS = {"length": 0.1, "width": 0.1, "height": 0.1, "front_overhang": 0.1, "wheelbase": 0.1}

@@ -8,11 +8,14 @@ one at a time, once.
 from __future__ import annotations
 
 from threading import Lock
-from typing import Any, get_args, get_origin
+from typing import Any, Final, get_args, get_origin
 
 import msgspec
 
-__all__ = ["convert", "decode_json", "decode_msgpack", "unaliased"]
+__all__ = ["convert", "decode_in_turns", "decode_json", "decode_msgpack", "unaliased"]
+
+LONG: Final = 1 << 18
+"""Bytes of JSON from which on other threads get their turn while it is decoded."""
 
 _json: dict[Any, msgspec.json.Decoder[Any]] = {}
 _msgpack: dict[Any, msgspec.msgpack.Decoder[Any]] = {}
@@ -40,6 +43,48 @@ def decode_json(data: bytes | bytearray | memoryview | str | msgspec.Raw, kind: 
         If the text is not JSON, or not of this type.
     """
     return _json_decoder(kind).decode(data)
+
+
+def decode_in_turns(data: bytes | bytearray | memoryview | msgspec.Raw, kind: Any) -> Any:
+    """Decode JSON as a type as `decode_json` does, row by row where it is long.
+
+    One call of msgspec holds the interpreter till it is done, and the window with it: half a
+    second for twenty megabytes. Rows of lists, and of the lists in a struct, are found first,
+    a gigabyte a second, and decoded one by one.
+
+    Raises
+    ------
+    msgspec.MsgspecError
+        If the text is not JSON, or not of this type.
+    """
+    if len(memoryview(data)) < LONG:
+        return decode_json(data, kind)
+    if get_origin(kind) is list:
+        (of,) = get_args(kind)
+        return [decode_in_turns(row, of) for row in decode_json(data, list[msgspec.Raw])]
+    if _is_plain_struct(kind):
+        found = decode_json(data, dict[str, msgspec.Raw])
+        fields = [field for field in msgspec.structs.fields(kind) if field.encode_name in found]
+        values = {
+            field.name: decode_in_turns(found[field.encode_name], field.type) for field in fields
+        }
+        absent = [
+            field.name
+            for field in msgspec.structs.fields(kind)
+            if field.required and field.name not in values
+        ]
+        if absent:
+            raise msgspec.ValidationError(f"Object missing required field `{absent[0]}`")
+        return kind(**values)
+    return decode_json(data, kind)
+
+
+def _is_plain_struct(kind: Any) -> bool:
+    """Whether a type is a struct that stands as an object in JSON, with any further fields."""
+    if not (isinstance(kind, type) and issubclass(kind, msgspec.Struct)):
+        return False
+    config = kind.__struct_config__
+    return not (config.array_like or config.forbid_unknown_fields or config.tag is not None)
 
 
 def decode_msgpack(data: bytes | bytearray | memoryview, kind: Any) -> Any:

@@ -281,6 +281,16 @@ class Pictures(Part):
     sketch_taker = ""
 
 
+class Placing(Part):
+    """No underlay is chosen."""
+
+    changed = Signal()
+    recorded = "choose leave cancel touch begin_alignment handle_moved handle_released"
+    underlay = place = None
+    is_aligning = False
+    wish = ""
+
+
 class Work(Part):
     """A channel in which nothing is under way."""
 
@@ -371,6 +381,7 @@ PARTS = {
     "notices": Notices,
     "hints": Hints,
     "pictures": Pictures,
+    "placing": Placing,
     "gestures": Gestures,
     "files": Files,
     "shapes": Shapes,
@@ -420,7 +431,7 @@ class EmptySession(QObject):
         self.solver = Solver(calls, report={}, figures={})
         self.notices, self.hints = Notices(calls), Hints(calls, step=NextStep(""))
         self.pictures, self.gestures, self.files = Pictures(calls), Gestures(calls), Files(calls)
-        self.files.exchange = Exchange(calls)
+        self.files.exchange, self.pictures.placing = Exchange(calls), Placing(calls)
         self.gestures.edits, self.hints.channel = Work(calls), Work(calls)
         self.gestures.motion = Motion(calls, is_playing=False, can_play=False, player="")
 

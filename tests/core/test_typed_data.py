@@ -7,13 +7,16 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import bozzetto
 from bozzetto import typed_data
-from bozzetto.typed_data import convert, decode_json, decode_msgpack
+from bozzetto.typed_data import convert, decode_in_turns, decode_json, decode_msgpack
 
 ROOT = Path(__file__).parents[2]
 
@@ -105,3 +108,57 @@ def test_types_are_decoded_in_one_place():
     ]
     assert found == []
     assert decodes(ast.parse(Path(typed_data.__file__).read_text(encoding="utf-8")))
+
+
+class Leaf(msgspec.Struct, frozen=True):
+    name: str
+    place: tuple[int, int] = (0, 0)
+
+
+class Row(msgspec.Struct, array_like=True):
+    number: Annotated[int, msgspec.Meta(ge=1)]
+    leaves: list[Leaf]
+
+
+class Tree(msgspec.Struct, rename={"kind": "type"}):
+    kind: str
+    leaves: list[Leaf]
+    rows: list[Row]
+    words: list[str] = []
+    top: Leaf | None = None
+
+
+WHOLE = Tree(
+    "oak", [Leaf("a"), Leaf("b", (1, 2))], [Row(1, [Leaf("c")]), Row(2, [])], ["x"], Leaf("d")
+)
+
+
+def test_row_by_row_gives_what_one_call_gives(monkeypatch):
+    monkeypatch.setattr(typed_data, "LONG", 0)
+    text = msgspec.json.encode(WHOLE)
+    for data in (text, memoryview(text), msgspec.Raw(text)):
+        assert decode_in_turns(data, Tree) == WHOLE
+    further = text[:-1] + b',"later":[{}]}'
+    assert decode_in_turns(further, Tree) == decode_json(further, Tree) == WHOLE
+    least = b'{"type":"fir","leaves":[],"rows":[]}'
+    assert decode_in_turns(least, Tree) == decode_json(least, Tree)
+    rows = msgspec.json.encode(WHOLE.leaves)
+    assert decode_in_turns(rows, list[Leaf]) == WHOLE.leaves
+
+
+@given(st.data())
+def test_row_by_row_refuses_what_one_call_refuses(data):
+    text = bytearray(msgspec.json.encode(WHOLE))
+    for _ in range(data.draw(st.integers(1, 3))):
+        at = data.draw(st.integers(0, len(text) - 1))
+        text[at] = data.draw(st.sampled_from(b'{}[]",:0a- '))
+    content = bytes(text)
+    answers = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typed_data, "LONG", 0)
+        for decode in (decode_json, decode_in_turns):
+            try:
+                answers.append(decode(content, Tree))
+            except (msgspec.MsgspecError, ValueError):
+                answers.append(None)
+    assert answers[0] == answers[1]

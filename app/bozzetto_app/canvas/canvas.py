@@ -167,6 +167,7 @@ class Canvas(QWidget):
         session.pictures.taken.connect(self._got_picture)
         self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._fade_hint)
+        self.hand.ink_began.connect(session.pictures.placing.leave)
         self.hand.aimed.connect(self._aim)
         self.hand.aim_ended.connect(self._put_loupe_away)
         self.hand.mode_changed.connect(self._mode_changed)

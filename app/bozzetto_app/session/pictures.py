@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from bozzetto_app.session.selection import Selection
     from bozzetto_app.session.toolbox import Toolbox
     from bozzetto_app.session.tracing import Tracing
+    from bozzetto_app.session.underlay_placing import UnderlayPlacing
 
 __all__ = ["PictureInput"]
 
@@ -47,6 +48,8 @@ class PictureInput(QObject):
         The reading under way.
     tracing : Tracing
         Makes waiting ink of the lines in a picture.
+    placing : UnderlayPlacing
+        Moves, turns and scales the underlay that is chosen.
 
     Signals
     -------
@@ -69,13 +72,14 @@ class PictureInput(QObject):
         context: GestureContext,
         edits: Channel,
         tracing: Tracing,
+        placing: UnderlayPlacing,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
         self.channel = Channel("picture", keep_all=True, is_patient=True, parent=self)
         notices.watch(self.channel)
-        self.tracing = tracing
+        self.tracing, self.placing = tracing, placing
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
         self._toolbox, self._objects, self._context = toolbox, objects, context
         self._edits, self._notices = edits, notices
@@ -191,8 +195,11 @@ class PictureInput(QObject):
                 return
             if isinstance(found, Underlay):
                 self._objects.edit(edit.add_underlay, found)
+                self.placing.choose(found.id)
                 words = tr(
-                    "Session", "The picture lies under the sheet. Ctrl+T traces it into ink."
+                    "Session",
+                    "The picture lies under the sheet. Drag its handles, or type its width under "
+                    "Parameters; Ctrl+T traces it into ink.",
                 )
                 self._notices.tell(words)
             else:

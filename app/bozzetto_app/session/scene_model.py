@@ -58,7 +58,7 @@ class SceneModel(QObject):
         self._last = Scene()
         self._has_ghosts = True
         self.preview = Scene()
-        self._advice = Scene()
+        self._advice = self._grips = Scene()
         self._alone = ""
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self.changed)
@@ -92,8 +92,11 @@ class SceneModel(QObject):
 
     @property
     def advice(self) -> Scene:
-        """The layers that the modeler shows in this view only; see `ViewAdvice.scene`."""
-        return Scene(tuple(filter(self.is_seen, self._advice.layers)))
+        """The layers that the modeler shows in this view only, and the handles of an underlay.
+
+        See `ViewAdvice.scene`.
+        """
+        return Scene((*filter(self.is_seen, self._advice.layers), *self._grips.layers))
 
     def is_seen(self, layer: Layer) -> bool:
         """Return whether the active tool and the view style let a layer be seen."""
@@ -130,6 +133,12 @@ class SceneModel(QObject):
         self._advice = scene
         now = self.advice.layers
         if len(before) != len(now) or not all(map(_look_alike, before, now)):
+            self.live_changed.emit()
+
+    def show_grips(self, scene: Scene) -> None:
+        """Show the handles of an underlay until others replace them."""
+        if scene.layers or self._grips.layers:
+            self._grips = scene
             self.live_changed.emit()
 
     def _models_changed(self) -> None:

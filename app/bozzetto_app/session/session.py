@@ -43,6 +43,7 @@ from bozzetto_app.session.selection import Selection
 from bozzetto_app.session.solver import Solver
 from bozzetto_app.session.toolbox import Toolbox
 from bozzetto_app.session.tracing import Tracing
+from bozzetto_app.session.underlay_placing import UnderlayPlacing
 from bozzetto_app.session.view_advice import ViewAdviser
 from bozzetto_app.session.view_state import ViewState
 
@@ -113,9 +114,21 @@ class Session(QObject):
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)
         tracing = Tracing(drawing, view, toolbox, notices, self)
+        placing = UnderlayPlacing(drawing, selection, toolbox, scene, objects, notices, self)
         self.pictures = PictureInput(
-            bench, drawing, selection, toolbox, objects, context, edits, tracing, notices, self
+            bench,
+            drawing,
+            selection,
+            toolbox,
+            objects,
+            context,
+            edits,
+            tracing,
+            placing,
+            notices,
+            self,
         )
+        placing.changed.connect(lambda: self.hints.wish(placing.wish))
         drawings = DrawingInput(bench, drawing, selection, context, edits, notices, self)
         clipboard = ObjectClipboard(bench, drawing, selection, objects, notices, self)
         exchange = Exchange(
@@ -165,14 +178,16 @@ class Session(QObject):
         return any(work.busy for work in (*self._shown_work, *hidden))
 
     def escape(self) -> bool:
-        """Stop a motion or the work on gestures, or else take the waiting ink back (Esc).
+        """Stop an alignment, a motion or the work on gestures, or take the waiting ink back (Esc).
 
         Returns
         -------
         bool
             Whether there was anything to stop or to take back.
         """
-        if self.gestures.motion.is_moving:
+        if self.pictures.placing.end_alignment():
+            self.notices.tell(tr("Session", "The picture stays where it was."))
+        elif self.gestures.motion.is_moving:
             self.gestures.motion.stop()
         elif self.gestures.edits.busy:
             self.cancel_work()

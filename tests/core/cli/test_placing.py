@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from bozzetto.cli.placing import placed
 from bozzetto.document import edit
-from bozzetto.document.model import Document, Model
+from bozzetto.document.model import Document, Model, Underlay
+from bozzetto.document.underlay_place import place_of
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
 
@@ -53,6 +55,27 @@ def test_what_is_no_place_is_refused(document, words):
 def test_a_wrong_name_tells_the_right_ones(document):
     with pytest.raises(UserError, match=r"no object called “Bus”.*“Car”, “Car = 2”"):
         placed(document, ["Bus=1,2,3"])
+
+
+@pytest.fixture
+def traced(document):
+    pixels = np.zeros((2, 3, 4), np.uint8)
+    lies = ((-60.0, 0.0, 80.0), (120.0, 0.0, 0.0), (0.0, 0.0, -80.0))
+    return edit.add_underlay(document, Underlay("u", "photo", pixels, *lies)).document
+
+
+def test_an_underlay_is_put_by_its_middle_and_what_is_not_told_stays(traced):
+    for words, turn, width in (("1,2,3", 0.0, 120.0), ("1,2,3,30", 30.0, 120.0)):
+        (made,) = placed(traced, [f"photo={words}"]).underlays
+        place = place_of(made)
+        assert place.middle == pytest.approx((1.0, 2.0, 3.0))
+        assert (place.width, place.turn) == (pytest.approx(width), pytest.approx(turn))
+    (made,) = placed(traced, ["photo=1,2,3,30,60"]).underlays
+    assert place_of(made).width == pytest.approx(60.0)
+    with pytest.raises(UserError, match="wide"):
+        placed(traced, ["photo=1,2,3,30,0"])
+    with pytest.raises(UserError, match="“photo”"):
+        placed(traced, ["Bus=1,2,3"])
 
 
 def test_a_locked_object_stays(document):

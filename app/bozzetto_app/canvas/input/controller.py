@@ -43,12 +43,15 @@ from bozzetto_app.canvas.input.tablet_events import (
     tablet_sample,
 )
 from bozzetto_app.canvas.input.view_control import ViewControl
+from bozzetto_app.session.underlay_placing import is_of_underlay
 
 if TYPE_CHECKING:
     from bozzetto.ink.stroke import Stroke, StrokeTool
     from bozzetto.view.camera import Camera
     from bozzetto_app.canvas.overlay.wet_ink import InkOverlay
+    from bozzetto_app.session.gestures import Gestures
     from bozzetto_app.session.session import Session
+    from bozzetto_app.session.underlay_placing import UnderlayPlacing
 
 __all__ = ["Hand"]
 
@@ -239,6 +242,7 @@ class Hand(QObject):
             self._session.view.set_camera(self._camera)
         if mode.records or mode is Mode.AIMING:
             self._forget()
+            self._session.pictures.placing.cancel()
             self._session.gestures.cancel()
         self.mode_changed.emit()
         return mode is not Mode.IDLE
@@ -398,13 +402,18 @@ class Hand(QObject):
             self._session.gestures.stroke_lifted(stroke)
             self._overlay.clear_wet()
         elif outcome is Outcome.DROP and stroke is not None and press is not None:
-            self._session.gestures.handle_released(self._drag(press.handle, stroke))
+            self._grip(press.handle).handle_released(self._drag(press.handle, stroke))
         elif outcome is Outcome.TAP and press is not None:
             x, y = place if press.aims else (press.x, press.y)
-            self._session.gestures.tap(self._tap(x, y, press), again=self._again)
+            tap, placing = self._tap(x, y, press), self._session.pictures.placing
+            if placing.is_aligning:
+                placing.touch(tap)
+            else:
+                self._session.gestures.tap(tap, again=self._again)
         elif outcome in (Outcome.FLICK, Outcome.MENU):
             self.menu_released.emit(outcome is Outcome.FLICK)
         elif was_recording:
+            self._session.pictures.placing.cancel()
             self._session.gestures.cancel()
         if outcome is Outcome.NOTHING and mode is Mode.INKING and press is not None:
             self.touched.emit(self._tap(press.x, press.y, press), self._again)
@@ -466,7 +475,8 @@ class Hand(QObject):
             return
         self._pace.begin()
         if self.machine.mode is Mode.AIMING:
-            self._session.gestures.tap_moved(self._tap(*self.machine.place, press))
+            if not self._session.pictures.placing.is_aligning:
+                self._session.gestures.tap_moved(self._tap(*self.machine.place, press))
             return
         if columns is None or not len(columns):
             return
@@ -474,7 +484,7 @@ class Hand(QObject):
         if self.machine.mode is Mode.DRAGGING:
             # What begins beside all handles may yet be a tap.
             if press.handle or self.machine.travel >= TAP_TRAVEL:
-                self._session.gestures.handle_moved(self._drag(press.handle, stroke))
+                self._grip(press.handle).handle_moved(self._drag(press.handle, stroke))
         else:
             self._session.gestures.stroke_moved(stroke)
 
@@ -487,6 +497,11 @@ class Hand(QObject):
 
     def _drag(self, handle: str, path: Stroke) -> Drag:
         return Drag(handle, path, self._keys.shift, self._keys.ctrl)
+
+    def _grip(self, handle: str) -> Gestures | UnderlayPlacing:
+        """Return who takes the drags of a handle."""
+        session = self._session
+        return session.pictures.placing if is_of_underlay(handle) else session.gestures
 
     def _as_lifted(self, sample: RawSample) -> RawSample:
         """Return the last sample with the pressure before it: a release reports none."""

@@ -39,19 +39,25 @@ class Hovering:
 
     @property
     def takes(self) -> Literal["ink", "tap", "drag"]:
-        """The kind of gesture that the active tool wants."""
+        """The kind of gesture that the active tool wants, or an underlay that is aligned."""
+        if self._is_aligning:
+            return "tap"
         tool = self._session.toolbox.active
         return "ink" if tool is None else tool.gesture
 
     @property
     def aims(self) -> bool:
-        """Whether the active tool wants positions that are met exactly."""
-        return self.tool_is(lambda tool: tool.aims)
+        """Whether positions are wanted that are met exactly."""
+        return self._is_aligning or self.tool_is(lambda tool: tool.aims)
 
     def tool_is(self, question: Callable[[ToolInfo], bool]) -> bool:
-        """Return the answer to a question about the active tool; False while there is none."""
+        """Return the answer to a question about the active tool; False while none is meant."""
         tool = self._session.toolbox.active
-        return tool is not None and question(tool)
+        return tool is not None and not self._is_aligning and question(tool)
+
+    @property
+    def _is_aligning(self) -> bool:
+        return self._session.pictures.placing.is_aligning
 
     # -- under the pen --
 
@@ -62,6 +68,8 @@ class Hovering:
 
     def handle_under(self, x: float, y: float) -> tuple[Handle, float, float] | None:
         """Return the handle at a place of the canvas, with where it is; None if there is none."""
+        if self._is_aligning:
+            return None
         if self._targets is None:
             scene = self._session.scene
             self._targets = HandleTargets(

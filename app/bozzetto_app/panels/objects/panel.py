@@ -75,6 +75,7 @@ class ObjectsPanel(QWidget):
         self.list.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         self.list.customContextMenuRequested.connect(self._open_menu)
         self.list.currentItemChanged.connect(self._chosen)
+        self.list.itemClicked.connect(self._clicked)
         self.list.dropped.connect(self.drop)
         self.list.rename_asked.connect(self.rename_current)
         self.list.delete_asked.connect(self.delete_current)
@@ -102,6 +103,7 @@ class ObjectsPanel(QWidget):
         column.addLayout(foot)
         session.drawing.changed.connect(self.refresh)
         session.selection.changed.connect(self.refresh)
+        session.pictures.placing.changed.connect(self._mark)
         self.refresh()
 
     def refresh(self) -> None:
@@ -415,7 +417,10 @@ class ObjectsPanel(QWidget):
         self._enable()
 
     def _wanted(self) -> Entry | None:
-        """Return the row of the chosen part if it is listed, else that of the selected model."""
+        """Return the row of the chosen underlay, of the chosen part, or of the selected model."""
+        underlay = self._session.pictures.placing.underlay
+        if underlay is not None and (found := Entry("underlay", underlay.id)) in self._entries:
+            return found
         selected = self._session.selection.id
         if selected is None:
             return None
@@ -446,7 +451,14 @@ class ObjectsPanel(QWidget):
             self._session.selection.select(entry.id)
             if self._is_open(entry.id):
                 self._session.parts.select(entry.id, "")
+        self._session.pictures.placing.choose(entry.id if entry.kind == "underlay" else "")
         self._enable()
+
+    def _clicked(self) -> None:
+        """Show the handles of the underlay again, which went when something was drawn."""
+        entry = self._current()
+        if entry.kind == "underlay":
+            self._session.pictures.placing.choose(entry.id)
 
     # -- the menu --
 
@@ -469,12 +481,8 @@ class ObjectsPanel(QWidget):
             self._add_for_part(menu, entry, self._session.parts.of(entry.model))
         if entry.kind in ("model", "part"):
             self._add_uses(menu)
-        elif entry.kind == "underlay" and self._session.pictures.sketch_taker:
-            title = self._session.pictures.sketch_taker
-            menu.addAction(
-                tr("Objects", "Use as sketch for {modeler}", modeler=title),
-                lambda: self._session.pictures.take_underlay(entry.id),
-            )
+        elif entry.kind == "underlay":
+            self._add_for_underlay(menu, entry.id)
         if entry.kind != "heading":
             menu.addAction(tr("Objects", "Delete"), self.delete_current)
         return menu
@@ -495,6 +503,20 @@ class ObjectsPanel(QWidget):
             link = tr("Objects", "Link again")
             menu.addAction(link, lambda: self._session.objects.link(model.id))
         menu.addSeparator()
+
+    def _add_for_underlay(self, menu: QMenu, underlay_id: str) -> None:
+        pictures = self._session.pictures
+
+        def align() -> None:
+            pictures.placing.choose(underlay_id)
+            pictures.placing.begin_alignment()
+
+        menu.addAction(tr("Underlay", "Align by two places"), align)
+        if pictures.sketch_taker:
+            menu.addAction(
+                tr("Objects", "Use as sketch for {modeler}", modeler=pictures.sketch_taker),
+                lambda: pictures.take_underlay(underlay_id),
+            )
 
     def _add_for_part(self, menu: QMenu, entry: Entry, tree: PartTree | None) -> None:
         if tree is None:

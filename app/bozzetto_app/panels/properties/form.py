@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.placement import Placement
     from bozzetto.parameters import Field
     from bozzetto_app.panels.properties.parameter_row import ParameterRow
+    from bozzetto_app.panels.properties.underlay_form import UnderlayForm
     from bozzetto_app.session.session import Session
 
 __all__ = ["ParametersPanel"]
@@ -57,7 +58,7 @@ class ParametersPanel(PanelScroll):
         self.setAccessibleName(self.windowTitle())
         self.setMinimumWidth(264)
 
-        self._empty = QLabel()
+        self._empty, self._is_empty = QLabel(), True
         self._locked = QLabel(why_locked())
         for words in (self._empty, self._locked):
             words.setWordWrap(True)
@@ -77,6 +78,8 @@ class ParametersPanel(PanelScroll):
         self.place.drag_ended.connect(session.objects.end_drag)
         self._place_pace = pace
         self._place_section = _section(tr("Parameters", "Place"), self.place, "panels/place", False)
+        self.underlay: UnderlayForm | None = None
+        self._underlay_section: Section | None = None
         self._figures = Figures()
         self._figures_section = Section(tr("Parameters", "Figures"), self._figures)
         self._line = hairline()
@@ -97,6 +100,8 @@ class ParametersPanel(PanelScroll):
         session.drawing.changed.connect(self.refresh)
         session.drawing.models_changed.connect(self._value_dragged)
         session.solver.report_changed.connect(self._show_report)
+        session.pictures.placing.changed.connect(self._show_underlay)
+        self._show_underlay()
         self.refresh()
         self._show_report()
 
@@ -174,8 +179,26 @@ class ParametersPanel(PanelScroll):
         self.place.setEnabled(not locked)
         if not own and not inner:
             self._empty.setText(self._why_empty(model))
-        self._empty.setVisible(not own and not inner)
+        self._is_empty = not own and not inner
+        self._empty.setVisible(self._is_empty and session.pictures.placing.place is None)
         self.form.setVisible(bool(own or inner))
+
+    def _show_underlay(self) -> None:
+        """Show where the chosen underlay lies, above all else; nothing where none is chosen."""
+        place = self._session.pictures.placing.place
+        if place is not None:
+            if self.underlay is None:
+                from bozzetto_app.panels.properties.underlay_form import UnderlayForm
+
+                self.underlay = UnderlayForm(self._session)
+                title = tr("Parameters", "Picture")
+                self._underlay_section = Section(title, self.underlay)
+                self._column.insertWidget(0, self._underlay_section)
+                put_in_tab_order(self, (self._underlay_section, self.form))
+            self.underlay.show_place(place)
+        if self._underlay_section is not None:
+            self._underlay_section.setVisible(place is not None)
+        self._empty.setVisible(self._is_empty and place is None)
 
     def _why_empty(self, model: Model | None) -> str:
         """Return what stands in the place of parameters where there are none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from bozzetto.atomic_files import read_bytes
 from bozzetto.document.model import NamedView, Underlay
@@ -46,6 +46,7 @@ from bozzetto.document.storage.zip_container import (
     ContainerReader,
     decode_json,
     encode_json,
+    row_count,
 )
 from bozzetto.document.waiting_ink import Waiting
 from bozzetto.errors import DocumentError
@@ -53,6 +54,8 @@ from bozzetto.images.png import pixel_count
 from bozzetto.ink.stroke import COLUMNS, Stroke
 from bozzetto.json_size import json_values
 from bozzetto.view.camera import Camera
+
+Entry = TypeVar("Entry")
 
 MAX_UNDERLAY_PIXELS: Final = 80_000_000
 """Limit for all pictures under the sheet together: a third of a gigabyte unpacked."""
@@ -87,9 +90,9 @@ def parse_document(content: bytes | memoryview) -> StoredDocument:
     reader.declare(decode_json(texts[MANIFEST], Manifest).parts)
     strokes = take_strokes(reader, texts[STROKES])
     models = _models(
-        decode_json(texts[MODELS], list[ModelEntry]),
+        _listed(texts[MODELS], ModelEntry, reader),
         strokes,
-        decode_json(texts[FROZEN], list[FrozenEntry]),
+        _listed(texts[FROZEN], FrozenEntry, reader),
         reader,
     )
     waiting = _waiting(decode_json(texts[WAITING], list[WaitingHeader]), reader)
@@ -139,9 +142,9 @@ def document_info(path: str | os.PathLike[str]) -> dict[str, Any]:
     texts, version = core_texts(reader)
     manifest = decode_json(texts[MANIFEST], Manifest)
     views = decode_json(texts[VIEWS], Views)
-    models = decode_json(texts[MODELS], list[ModelEntry])
+    models = _listed(texts[MODELS], ModelEntry, reader)
     headers = [entry.header for entry in models]
-    frozen = decode_json(texts[FROZEN], list[FrozenEntry])
+    frozen = _listed(texts[FROZEN], FrozenEntry, reader)
     return {
         "format": manifest.format,
         "version": version,
@@ -199,6 +202,13 @@ def core_texts(reader: ContainerReader) -> tuple[dict[str, bytes], int]:
         if name not in texts:
             raise DocumentError(f"This document lacks its part {name}.")
     return texts, promise.version
+
+
+def _listed(text: bytes, kind: type[Entry], reader: ContainerReader) -> list[Entry]:
+    """Return the rows of a list of objects; each needs a part of the file for its state."""
+    if row_count(text) > len(reader):
+        raise DocumentError("This document lists more objects than it holds.")
+    return decode_json(text, list[kind])  # type: ignore[valid-type]
 
 
 def _models(

@@ -14,7 +14,8 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, BinaryIO, Final, TypeVar
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 from bozzetto import typed_data
 from bozzetto.errors import DocumentError, UserError, words_of
+from bozzetto.json_size import json_values
 
 DTYPES: Final[dict[str, np.dtype[Any]]] = {
     "f4": np.dtype("<f4"),
@@ -51,6 +53,8 @@ MAX_NAME_BYTES: Final = 512
 """Longest name of an entry."""
 MAX_JSON_BYTES: Final = 64 << 20
 """Longest JSON entry."""
+MAX_LIST_VALUES: Final = 10_000_000
+"""Most values in one JSON entry: a million strokes have eight million."""
 MAX_AXES: Final = 4
 """Most axes of an array."""
 
@@ -116,11 +120,26 @@ def decode_json(text: bytes, kind: type[Value]) -> Value:
     Raises
     ------
     DocumentError
-        If the text is not JSON of this type.
+        If the text is not JSON of this type, or holds more values than any document.
     """
+    if json_values(text) > MAX_LIST_VALUES:
+        raise DocumentError("This document's lists are longer than any document's.")
+    with _refusing():
+        decoded: Value = typed_data.decode_in_turns(text, kind)
+    return decoded
+
+
+def row_count(text: bytes) -> int:
+    """Count the rows of a list in JSON without decoding them; raises as `decode_json`."""
+    with _refusing():
+        return len(typed_data.decode_json(text, list[msgspec.Raw]))
+
+
+@contextmanager
+def _refusing() -> Iterator[None]:
+    """Turn what goes wrong with damaged JSON into a `DocumentError`."""
     try:
-        decoded: Value = typed_data.decode_json(text, kind)
-        return decoded
+        yield
     except (msgspec.MsgspecError, UserError, ValueError, RecursionError) as problem:
         raise DocumentError(f"This document's lists are damaged: {words_of(problem)}.") from problem
 
@@ -267,6 +286,9 @@ class ContainerReader:
     def arrays(self) -> tuple[str, ...]:
         """Entries that were declared as arrays, in that order."""
         return tuple(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._entries)
 
     def declare(self, parts: Sequence[Part]) -> None:
         """Say which entries are arrays, as the manifest does."""

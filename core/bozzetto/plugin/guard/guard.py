@@ -41,12 +41,14 @@ class PluginFault(Exception):
         What happened, in words, without a full stop: "solve failed (ValueError: …)".
     details : str
         The traceback, for the log and the plugin's author.
+    name : str, optional
+        What the plugin is called in words; its id if absent.
     """
 
     said = "made a mistake"
 
-    def __init__(self, plugin: str, what: str, details: str = "") -> None:
-        super().__init__(f"The plugin {plugin} {self.said}: {what}.")
+    def __init__(self, plugin: str, what: str, details: str = "", name: str = "") -> None:
+        super().__init__(f"The plugin {name or plugin} {self.said}: {what}.")
         self.plugin = plugin
         self.what = what
         self.details = details
@@ -72,10 +74,14 @@ class Guard:
     ----------
     plugin_of : callable
         Gives the id of the plugin that a modeler belongs to.
+    name_of : callable
+        Gives what a plugin of some id is called in messages.
     """
 
-    def __init__(self, plugin_of: Callable[[str], str] = str) -> None:
-        self._plugin_of = plugin_of
+    def __init__(
+        self, plugin_of: Callable[[str], str] = str, name_of: Callable[[str], str] = str
+    ) -> None:
+        self._plugin_of, self._name_of = plugin_of, name_of
         self._faults: Counter[str] = Counter()
         self._lock = threading.Lock()
         self._inside: dict[threading.Thread, tuple[str, str]] = {}
@@ -128,9 +134,9 @@ class Guard:
         except Overrun as overrun:
             # Not counted here: the one who waited for the answer says so (`blame`).
             before.restore()
-            raise PluginSlow(
-                plugin, f"{what} did not answer in time", _traceback_of(overrun)
-            ) from None
+            reason = f"{what} did not answer in time"
+            details = _traceback_of(overrun)
+            raise PluginSlow(plugin, reason, details, self._name_of(plugin)) from None
         except BaseException as problem:
             before.restore()
             name = type(problem).__name__
@@ -198,7 +204,8 @@ class Guard:
         A slow machine is nobody's fault, and from outside it cannot be told from a plugin that
         hangs; only what a plugin did counts towards switching it off.
         """
-        found = PluginSlow(self._plugin_of(modeler_id), what.rstrip("."), _last(details))
+        plugin = self._plugin_of(modeler_id)
+        found = PluginSlow(plugin, what.rstrip("."), _last(details), self._name_of(plugin))
         log.warning("%s\n%s", found, found.details)
         return found
 
@@ -214,12 +221,13 @@ class Guard:
         """Raise `UserError` if a plugin is switched off."""
         if self.is_off(plugin_id):
             raise UserError(
-                f"The plugin {plugin_id} failed {MOST_FAULTS} times and is switched off. "
+                f"The plugin {self._name_of(plugin_id)} failed {MOST_FAULTS} times and is "
+                "switched off. "
                 "Save your work and start the program again to use it."
             )
 
     def _fault(self, plugin: str, what: str, details: str = "") -> PluginFault:
-        fault = PluginFault(plugin, what, _last(details))
+        fault = PluginFault(plugin, what, _last(details), self._name_of(plugin))
         with self._lock:
             self._faults[plugin] += 1
         log.error("%s\n%s", fault, fault.details)

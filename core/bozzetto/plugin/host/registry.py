@@ -62,6 +62,11 @@ class _Plugin(msgspec.Struct, eq=False):
     def id(self) -> str:
         return self.manifest.id if self.manifest and not self.id_taken else self.package
 
+    @property
+    def name(self) -> str:
+        """Its title and its id, for messages: by the id it is switched off from a terminal."""
+        return f"“{self.manifest.title}” ({self.id})" if self.manifest else self.id
+
     def info(self, modeler_id: str) -> ModelerInfo | None:
         return next((info for info in self.infos if info.id == modeler_id), None)
 
@@ -96,7 +101,7 @@ class Registry:
         no_plugins: bool = False,
         extra: Iterable[str] = (),
     ) -> None:
-        self.guard = Guard(self._plugin_of)
+        self.guard = Guard(self._plugin_of, self._name_of)
         self._disabled = set(disabled)
         self._plugins: dict[str, _Plugin] = {}
         self._lock = threading.RLock()
@@ -250,7 +255,7 @@ class Registry:
         plugin, _ = self._find(modeler_id)
         if plugin.id in self._disabled:
             raise UserError(
-                f"The plugin {plugin.id} is switched off. Switch it on in the list of plugins: "
+                f"The plugin {plugin.name} is switched off. Switch it on in the list of plugins: "
                 f"Help › Plugins, or “bozzetto plugins enable {plugin.id}”."
             )
         self.guard.refuse_if_off(plugin.id)
@@ -259,7 +264,7 @@ class Registry:
                 self._load(plugin)
         if plugin.modelers is None:
             raise UserError(
-                f"The plugin {plugin.id} cannot be used. {plugin.fault} "
+                f"The plugin {plugin.name} cannot be used. {plugin.fault} "
                 "Update or remove it, or tell its author."
             )
         return plugin.modelers[modeler_id]
@@ -393,6 +398,11 @@ class Registry:
                 if plugin.info(modeler_id):
                     return plugin.id
         return modeler_id
+
+    def _name_of(self, plugin_id: str) -> str:
+        with self._lock:
+            named = (plugin.name for plugin in self._plugins.values() if plugin.id == plugin_id)
+            return next(named, plugin_id)
 
     def _look_over(self, plugin: _Plugin, said: Manifest) -> None:
         """Refuse what is written for another program version, or taken by another plugin."""

@@ -187,9 +187,12 @@ def test_a_dropped_row_lands_in_its_gap(qapp, source, gap):
 def test_an_underlay_can_become_a_sketch_where_one_is_taken(panel, fake_session):
     panel.list.setCurrentRow(5)
     titles = [action.text() for action in panel.menu_for_current().actions()]
-    assert titles == ["Delete"]
+    assert titles == ["Align by two places", "Delete"]
     fake_session.pictures.sketch_taker = "Car"
-    use, _ = panel.menu_for_current().actions()
+    align, use, _ = panel.menu_for_current().actions()
+    align.trigger()
+    placing = [name for name, *_ in fake_session.calls.made if name.startswith("placing.")]
+    assert placing[-2:] == ["placing.choose", "placing.begin_alignment"]
     assert use.text() == "Use as sketch for Car"
     use.trigger()
     assert fake_session.calls.named("pictures.take_underlay") == [(("u1",), {})]

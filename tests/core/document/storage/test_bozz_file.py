@@ -339,6 +339,13 @@ def test_damage_and_malice_are_one_error(harm):
         decode_document(harm(encode_document(rich_document())), FakeRegistry())
 
 
+def test_more_objects_than_parts_are_refused_before_they_are_made():
+    """A list of them held the interpreter, and the window with it, until all were made."""
+    content = bad_models(lambda tree: tree * 200)(encode_document(rich_document()))
+    with pytest.raises(DocumentError, match="more objects than it holds"):
+        decode_document(content, FakeRegistry())
+
+
 @pytest.mark.parametrize("offsets", [[0, 3, 2], [1, 2, 3], [0, 0, 3], [0, 1], [0, 1, 2**32 - 1]])
 def test_lengths_of_strokes_must_be_possible(offsets):
     plain = Document((Model("a", "A", "test.ink", Ink(Strokes([stroke(count=1), stroke(1, 2)]))),))

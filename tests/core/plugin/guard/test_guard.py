@@ -13,6 +13,7 @@ from bozzetto.geometry import Mesh, Shapes, Surface
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import Ink, Job
 from bozzetto.plugin.guard.guard import MOST_FAULTS, Guard, PluginFault
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Handle, Label, Layer, Lines, Scene, Shaded
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
@@ -414,6 +415,13 @@ def test_a_guard_without_a_registry_blames_the_modeler():
     with pytest.raises(PluginFault) as caught:
         Guard().call("a.b", "solve", lambda: 1 / 0)
     assert caught.value.plugin == "a.b"
+
+
+def test_a_fault_names_its_plugin_as_the_window_does():
+    """By title, and by the id with which a terminal switches it off."""
+    registry = Registry()
+    with pytest.raises(PluginFault, match=r"The plugin “Car” \(bozzetto\.car\) made a mistake"):
+        registry.guard.call("bozzetto.car", "solve", lambda: 1 / 0)
 
 
 def test_to_be_slow_is_told_as_slow_and_does_not_count(caplog):
