@@ -204,7 +204,7 @@ def test_formats_without_meshes_say_that_they_hold_no_quads(tmp_path):
     from bozzetto.geometry.shapes import Curve
 
     line = Curve(1, np.array((0, 0, 1, 1.0)), np.array([(0, 0, 0), (1, 0, 0.0)]))
-    file = prepare_export(Shapes(curves=(line,)), "a.dxf", handover=Handover(quads=300))
+    file = prepare_export(Shapes(curves=(line,)), "a.step", handover=Handover(quads=300))
     assert any("no quads" in note for note in file.notes)
 
 
