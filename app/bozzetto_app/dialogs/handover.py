@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.exchange.handover import SCALES, Handover, Lines, Unit, Up
+from bozzetto.exchange.handover import FEWEST_QUADS, SCALES, Handover, Lines, Unit, Up
 from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.exchange import PictureCanvas
@@ -51,6 +51,8 @@ PICTURE: Final = (400, 160)
 LIST_HEIGHT: Final = 96
 LABEL_WIDTH: Final = 120
 MOST_TRIANGLES: Final = 5e7
+MOST_QUADS: Final = 2e5
+USUAL_QUADS: Final = 5000.0
 
 
 class HandoverDialog(Page):
@@ -157,6 +159,8 @@ class HandoverDialog(Page):
         self.scale.set_silently(_number(self._kept.value(f"{KEPT}scale", 1.0), 1.0))
         self.scale.edited.connect(self._change)
         self._add_row(tr("Handover", "Scale"), self.scale)
+        kinds = [("triangles", tr("Handover", "Triangles")), ("quads", tr("Handover", "Quads"))]
+        self.mesh = self._segments(tr("Handover", "Meshes of"), "mesh", kinds)
         self.triangles = NumberField(
             tr("Handover", "Triangle budget"),
             self,
@@ -169,18 +173,29 @@ class HandoverDialog(Page):
         self.triangles.set_silently(_number(self._kept.value(f"{KEPT}triangles", 0), 0.0))
         self.triangles.edited.connect(self._change)
         self._add_row(tr("Handover", "Triangle budget"), self.triangles)
+        self.quads = NumberField(
+            tr("Handover", "Number of quads"),
+            self,
+            minimum=float(FEWEST_QUADS),
+            maximum=MOST_QUADS,
+            step=500.0,
+            whole=True,
+        )
+        self.quads.set_silently(_number(self._kept.value(f"{KEPT}quads", USUAL_QUADS), USUAL_QUADS))
+        self.quads.edited.connect(self._change)
+        self._add_row(tr("Handover", "Number of quads"), self.quads)
         self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
         self.uvs = self._toggle(tr("Handover", "Texture coordinates (UVs)"), "uvs")
         self.separate_parts = self._toggle(
             tr("Handover", "Parts as separate objects"), "separate_parts"
         )
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
-        kinds = [
+        drawings = [
             ("curves", tr("Handover", "Curves")),
             ("outlines", tr("Handover", "Outlines")),
             ("blueprint", tr("Handover", "Blueprint")),
         ]
-        self.lines = self._segments(tr("Handover", "Drawing (SVG, DXF)"), "lines", kinds)
+        self.lines = self._segments(tr("Handover", "Drawing (SVG, DXF)"), "lines", drawings)
         self.hidden = self._toggle(tr("Handover", "Hidden lines, dashed"), "hidden")
 
     def _segments(self, words: str, key: str, options: list[tuple[str, str]]) -> Segments:
@@ -222,6 +237,7 @@ class HandoverDialog(Page):
             up=None if up in ("", USUAL) else cast(Up, up),
             scale=self.scale.value(),
             triangles=(int(self.triangles.value()) or None) if self.triangles.isEnabled() else None,
+            quads=int(self.quads.value()) if self.quads.isEnabled() else None,
             lay_flat=self.lay_flat.isChecked(),
             lines=None if lines in ("", "curves") else cast(Lines, lines),
             hidden=_is_on(self.hidden),
@@ -250,7 +266,9 @@ class HandoverDialog(Page):
         heeded: dict[QWidget, bool] = {
             self.unit: "unit" in heeds or ("lines" in heeds and self.lines.value == "blueprint"),
             self.up: "up" in heeds,
-            self.triangles: "triangles" in heeds,
+            self.mesh: "quads" in heeds,
+            self.triangles: "triangles" in heeds and self.mesh.value == "triangles",
+            self.quads: "quads" in heeds and self.mesh.value == "quads",
             self.levels: "levels" in heeds,
             self.uvs: "uvs" in heeds,
             self.separate_parts: "separate_parts" in heeds,
@@ -290,9 +308,18 @@ class HandoverDialog(Page):
             for ending, count in seen.files
         )
         count = locale.toString(seen.triangles)
-        self.state.setText(
-            tr("Handover", "{size} mm · {count} triangles", size=size, count=count) + f"\n{files}"
-        )
+        quads = locale.toString(seen.quads)
+        if seen.quads:
+            said = tr(
+                "Handover",
+                "{size} mm · {quads} quads, {count} triangles",
+                size=size,
+                quads=quads,
+                count=count,
+            )
+        else:
+            said = tr("Handover", "{size} mm · {count} triangles", size=size, count=count)
+        self.state.setText(f"{said}\n{files}")
         if seen.picture is not None:
             height, width = seen.picture.shape[:2]
             pixels = seen.picture.tobytes()
@@ -331,6 +358,8 @@ class HandoverDialog(Page):
             "up": self.up.value,
             "scale": wanted.scale,
             "triangles": int(self.triangles.value()),
+            "mesh": self.mesh.value,
+            "quads": int(self.quads.value()),
             "lines": self.lines.value,
         }
         toggles = {

@@ -56,6 +56,8 @@ class Foreseen(NamedTuple):
     size : (x, y, z)
         Of everything together, mm.
     triangles : int
+        Of all meshes; of quads those that are left between them.
+    quads : int
         Of all meshes.
     files : tuple of (str, int)
         The ending of each file, and its size in bytes.
@@ -67,6 +69,7 @@ class Foreseen(NamedTuple):
 
     size: tuple[float, float, float]
     triangles: int
+    quads: int
     files: tuple[tuple[str, int], ...]
     warnings: tuple[str, ...]
     picture: NDArray[np.uint8] | None = None
@@ -180,7 +183,7 @@ class Exchange(QObject):
         waiting = self._drawing.document.waiting
 
         def write(job: Job) -> tuple[str, ...]:
-            objects, made = work(job, paths)
+            objects, made, _ = work(job, paths)
             # Making files asks nobody; who stopped it meanwhile was told that nothing is changed.
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
             for path, file in zip(paths, made, strict=True):
@@ -227,17 +230,16 @@ class Exchange(QObject):
         newest = self._newest_look = object()
 
         def look(job: Job) -> Foreseen:
-            from bozzetto.exchange.export import Ready
-            from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.exchange.triangle_budget import triangle_count
 
-            objects, made = work(job, paths)
-            ready = Ready(objects.shapes, handover or AS_USUAL)
+            objects, made, ready = work(job, paths)
             sizes = [len(file.data) + sum(len(data) for _, data in file.beside) for file in made]
             told = (*objects.warnings(), *_warnings(made))
+            quads = ready.quads
             return Foreseen(
                 ready.size,
-                triangle_count(ready.triangles),
+                triangle_count(ready.triangles) if quads is None else quads.triangles,
+                0 if quads is None else quads.quads,
                 tuple(zip(endings, sizes, strict=True)),
                 tuple(dict.fromkeys(told)),
                 None if canvas is None else _picture(ready, made, canvas),
@@ -271,6 +273,7 @@ class Exchange(QObject):
         ]
 
         def work(job: Job, paths: Sequence[Path]) -> Any:
+            from bozzetto.exchange.export import Ready
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
 
@@ -281,10 +284,9 @@ class Exchange(QObject):
             if keep:
                 self._looked_at = document, names, objects
             asked = handover or AS_USUAL
-            made = prepared_files(
-                objects, paths, camera, whole=False, handover=asked, checkpoint=job.checkpoint
-            )
-            return objects, made
+            ready = Ready(objects.shapes, asked, job.checkpoint)
+            made = prepared_files(objects, paths, camera, whole=False, handover=asked, ready=ready)
+            return objects, made, ready
 
         return work
 

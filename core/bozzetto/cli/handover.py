@@ -16,6 +16,9 @@ def add_handover(command: argparse.ArgumentParser) -> None:
     group.add_argument("--scale", metavar="S", default="1", help="make it larger or smaller")
     group.add_argument("--triangles", metavar="N", help="at most so many triangles together")
     group.add_argument(
+        "--quads", metavar="N", help="about so many quads together, along the shape; OBJ, PLY, USD"
+    )
+    group.add_argument(
         "--lods", action="store_true", help="two coarser levels of detail in the same GLB"
     )
     group.add_argument(
@@ -55,6 +58,7 @@ def handover_of(options: argparse.Namespace) -> Any:
         up=options.up,
         scale=_number(options.scale, "--scale", float),
         triangles=None if most is None else _number(most, "--triangles", int),
+        quads=None if options.quads is None else _number(options.quads, "--quads", int),
         lay_flat=options.lay_flat,
         lines=options.drawing,
         hidden=options.hidden,

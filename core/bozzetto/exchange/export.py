@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -39,9 +40,16 @@ from bozzetto.view.camera import Camera
 
 if TYPE_CHECKING:
     from bozzetto.exchange.line_drawing.page import Page
+    from bozzetto.exchange.quad_budget import Quadrangulated
 
 WRITERS: Final = writers("mesh", "surfaces", "curves")
 """Formats of shapes."""
+
+FAR: Final = 0.01
+"""Distance of quads from the shape that is told, as a share of its diagonal."""
+
+MISSED: Final = 0.1
+"""Share by which the number of quads may miss before it is told."""
 
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
 """Words for a kind of content, where it is not the kind's own name."""
@@ -162,7 +170,7 @@ def export(
     camera : Camera, optional
         The view for flat formats; by default the front view of all there is.
     handover : Handover
-        Unit, axes, size and number of triangles.
+        Unit, axes, size, number of triangles or quads.
 
     Returns
     -------
@@ -255,10 +263,22 @@ class Ready:
 
     @cached_property
     def triangles(self) -> Shapes:
-        """Shapes of triangles, no more than are wanted."""
+        """Shapes of triangles, no more than are wanted; two for each quad that is wanted."""
+        if self.quads is not None:
+            return self.quads.shapes
         shapes = meshed(self.placed)
         most = self.handover.triangles
         return shapes if most is None else within_budget(shapes, most)
+
+    @cached_property
+    def quads(self) -> Quadrangulated | None:
+        """Shapes of quads, about as many as are wanted; None where none are."""
+        count = self.handover.quads
+        if count is None:
+            return None
+        from bozzetto.exchange.quad_budget import within_quads
+
+        return within_quads(meshed(self.placed), count, self.checkpoint)
 
     @cached_property
     def coarser(self) -> tuple[Shapes, ...]:
@@ -388,6 +408,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
         found.append("Hidden lines are dashed in outlines and blueprints only.")
     if wanted.triangles is not None and "triangles" not in chosen.heeds and not drawn:
         found.append(f"{chosen.short} files hold no triangles, so that none were taken away.")
+    if wanted.quads is not None and "quads" not in chosen.heeds and not drawn:
+        found.append(f"{chosen.short} files hold no quads. OBJ, PLY and USD do.")
     if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
     if wanted.separate_parts and "separate_parts" not in chosen.heeds:
@@ -398,6 +420,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
             found.append(
                 f"{chosen.short} files play one motion: the first. The others lie beside it."
             )
+    if "mesh" in chosen.holds and ready.quads is not None:
+        found += _quad_notes(chosen, ready.quads, wanted.quads or 0, math.hypot(*ready.size))
     if "mesh" in chosen.holds and wanted.triangles is not None:
         count = triangle_count(ready.triangles)
         if count > wanted.triangles:
@@ -406,6 +430,35 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
                 "not hold together."
             )
     return tuple(found)
+
+
+def _quad_notes(chosen: Format, made: Quadrangulated, wanted: int, size: float) -> list[str]:
+    """Return sentences about quads that are not as they are wanted, on shapes of a size, mm."""
+    found = []
+    if "quads" not in chosen.keeps:
+        found.append(
+            f"{chosen.short} files hold triangles: each quad is two of them. OBJ, PLY and USD hold "
+            "quads."
+        )
+    count = made.quads + made.triangles
+    if not 1.0 - MISSED <= count / wanted <= 1.0 + MISSED:
+        found.append(
+            f"It has {count:,} faces, not {wanted:,}: its edges and holes leave no other number. "
+            "Ask for more, or for fewer parts."
+        )
+    if made.deviation > FAR * size:
+        found.append(
+            f"Its quads lie up to {made.deviation:.3g} mm from the shape, at its thinnest places. "
+            "Ask for more quads."
+        )
+    if made.joined:
+        names = ", ".join(f"“{name}”" for name in made.joined[:3])
+        more = " and others" if len(made.joined) > 3 else ""
+        found.append(
+            f"The quads of {names}{more} are pairs of triangles, which do not follow the shape: "
+            "it has details finer than such quads. Ask for more quads."
+        )
+    return found
 
 
 def _pictures_apart(shapes: Shapes) -> tuple[str, ...]:
