@@ -24,9 +24,15 @@ COLUMNS = (
         ("plugins", "bozzetto_symmetry"),
         ("plugins", "bozzetto_car"),
     ),
+    (
+        ("plugins", "bozzetto_product"),
+        ("plugins", "bozzetto_polyhedron"),
+        ("plugins", "bozzetto_mesh"),
+        ("plugins", "bozzetto_skin"),
+    ),
 )
 WIDTH, MARGIN, ROW, GAP, TITLE = 500, 24, 40, 8, 40
-CHARACTER = 7.4
+CHARACTER = 8.2
 """Width of a letter at 13 px, px."""
 
 

@@ -30,6 +30,7 @@ PAGES = (
     "polyhedron.md",
     "product.md",
     "product-paper.md",
+    "quads.md",
     "silhouette.md",
     "symmetry.md",
     "texture-coordinates.md",

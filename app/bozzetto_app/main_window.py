@@ -11,6 +11,7 @@ from PySide6.QtGui import QCloseEvent, QIcon, QImage, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QApplication,
     QHBoxLayout,
+    QLineEdit,
     QMainWindow,
     QMenuBar,
     QSizePolicy,
@@ -252,7 +253,11 @@ class Window(QMainWindow):
             QKeySequence.SequenceFormat.PortableText
         )
         again = event.isAutoRepeat()
-        if not any(self.actions_.take_key(key, again=again) for key in (keys, tool_key_at(event))):
+        wishes = (keys, tool_key_at(event))
+        typed = event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+        if typed and isinstance(self.focusWidget(), QLineEdit):
+            super().keyPressEvent(event)  # Enter has taken what was typed
+        elif not any(self.actions_.take_key(key, again=again) for key in wishes):
             super().keyPressEvent(event)
 
     def _radial_entries(self) -> Sequence[_MenuEntry]:

@@ -80,7 +80,7 @@ def _pull_out(state: CarState, context: Context) -> CarState:
 
 
 def _treated(state: CarState, kind: Literal["anneal", "reduce", "pull out"]) -> CarState:
-    edit = Treatment(dimensions=world_of(state, body_of(state)), kind=kind)
+    edit = Treatment(dimensions=world_of(state, body_of(state)), kept=state.lock, kind=kind)
     return replace(state, edits=(*state.edits, edit))
 
 

@@ -73,9 +73,13 @@ class BodyEdit:
     dimensions : Dimensions
         The dimensions that the body had at the time of the edit, none where it could not have
         those that were wanted; the edit is applied to the body with these.
+    kept : bool or None
+        Whether the car was solved for them, and not stretched to them. None in a drawing that is
+        older than this: they are taken to be as the car's are now.
     """
 
     dimensions: Dimensions = Dimensions()
+    kept: bool | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The modeler of imported meshes: it keeps them, shows them and hands them on."""
+"""The modeler of imported meshes and curves: it keeps them, shows them and hands them on."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, Final, Literal, TypeVar
 
+import numpy as np
+
 from bozzetto.geometry import (
+    Curve,
     FaceGroup,
     Mesh,
     Placement,
@@ -18,10 +21,13 @@ from bozzetto.geometry import (
     meshed,
 )
 from bozzetto.plugin import Job, Modeler, Parameter, override
-from bozzetto.scene import Layer, Scene, shaded_part
+from bozzetto.scene import Layer, Lines, Scene, shaded_part
 
 MM_PER: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 """Millimetres in a unit."""
+
+STEPS: Final = 24
+"""Steps in which a span of a curve is shown."""
 
 Z_UP: Final = (1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
 """Rows of the turn that makes the second axis of a file our z."""
@@ -29,7 +35,7 @@ Z_UP: Final = (1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
 
 @dataclass(frozen=True)
 class MeshState:
-    """Meshes as they were read.
+    """Meshes and curves as they were read.
 
     Parameters
     ----------
@@ -48,6 +54,8 @@ class MeshState:
         Of each, likewise.
     paths : tuple of tuple of str
         What each was in, as `Solid.path`; likewise.
+    curves : tuple of Curve
+        As they were read.
     up : {"z", "y"}
         The axis of the file that points up.
     unit : {"mm", "cm", "m", "in"}
@@ -62,6 +70,7 @@ class MeshState:
     textures: tuple[Texture | None, ...] = ()
     skins: tuple[Skin | None, ...] = ()
     paths: tuple[tuple[str, ...], ...] = ()
+    curves: tuple[Curve, ...] = ()
     up: Annotated[
         Literal["z", "y"],
         Parameter("Up in the file", choices=(("z", "Z"), ("y", "Y")), help="Y in most OBJ files."),
@@ -120,6 +129,7 @@ class MeshState:
             meshes=tuple(part.mesh for part in parts),
             textures=_where_any(part.texture for part in parts),
             skins=_where_any(part.skin for part in parts),
+            curves=tuple(curve.placed(placement) for curve in self.curves),
         )
 
 
@@ -140,7 +150,7 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
 
     @override
     def read_shapes(self, shapes: Shapes) -> MeshState:
-        """Return a state with the meshes of a file, and exact surfaces as meshes."""
+        """Return a state with the meshes and curves of a file, and exact surfaces as meshes."""
         shapes = meshed(shapes)
         parts = tuple(shapes.meshes())
         return MeshState(
@@ -152,6 +162,7 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
             _where_any(part.texture for part in parts),
             _where_any(part.skin for part in parts),
             tuple(part.path for part in parts) if any(part.path for part in parts) else (),
+            shapes.curves,
         )
 
     @override
@@ -161,16 +172,37 @@ class ImportedMesh(Modeler[MeshState, MeshState]):
 
     @override
     def scene(self, state: MeshState, result: MeshState | None) -> Scene:
-        """Return the meshes, shaded in their colours or else in clay."""
+        """Return the meshes, shaded in their colours or else in clay, and the curves."""
         shown = result or state.standing()
         items = tuple(item for part in shown.parts() for item in shaded_part(part))
-        return Scene((Layer("mesh", items),))
+        layers = [Layer("mesh", items)]
+        if shown.curves:
+            layers.append(Layer("curves", tuple(map(_line, shown.curves))))
+        return Scene(tuple(layers))
 
     @override
     def shapes(self, state: MeshState, result: MeshState) -> Shapes:
-        """Return the meshes with all that they came with."""
+        """Return the meshes with all that they came with, and the curves."""
         parts = result.parts()
         return Shapes(
             solids=tuple(part for part in parts if isinstance(part, Solid)),
             surfaces=tuple(part for part in parts if isinstance(part, Surface)),
+            curves=result.curves,
         )
+
+    @override
+    def curves(self, state: MeshState, result: MeshState) -> tuple[Curve, ...]:
+        """Return the curves, for the tools of other models to snap to."""
+        return result.curves
+
+
+def _line(curve: Curve) -> Lines:
+    """Return a curve as it is shown, in its colour or else in that of ink."""
+    spans = np.unique(
+        curve.knots[(curve.knots >= curve.range[0]) & (curve.knots <= curve.range[1])]
+    )
+    steps = 1 if curve.degree == 1 else STEPS
+    shares = np.arange(steps) / steps
+    inner = (spans[:-1, None] + np.diff(spans)[:, None] * shares).ravel()
+    points = curve.value(np.append(inner, spans[-1]))
+    return Lines(points.astype(np.float32), color=curve.color or "ink")

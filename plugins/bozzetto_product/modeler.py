@@ -36,7 +36,7 @@ from bozzetto_product.model.details import Detail
 from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.patches import CurveGroup, Patch
 from bozzetto_product.model.planes import Plane
-from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.rough_shapes import DRAWN_ON, FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.pieces import without_idle_joints
 from bozzetto_product.report import FIGURES, cautions_of, report_of
@@ -164,7 +164,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         UserError
             If there is no surface to lay them on, or the drawing has no closed lines.
         """
-        return with_drawing_laid(state, drawing, context.camera)
+        return with_drawing_laid(state, drawing, context)
 
     @override
     def follow(self, sources: Mapping[str, Shapes]) -> ProductState:
@@ -178,7 +178,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
         state = ProductState()
         for source, shapes in sources.items():
             if shapes.solids or shapes.surfaces or shapes.breps or shapes.patchworks:
-                name = state.unused_name("Drawn on")
+                name = state.unused_name(DRAWN_ON)
                 part = FollowedShape(state.unused_id(), name, source=source)
                 state = state.with_node(part)
         if not state.nodes:

@@ -37,6 +37,9 @@ MOST_KINKS: Final = 3
 FIGURES: Final[Mapping[str, Figure]] = {
     "curves": Figure("Curves", "Of the network; mirror images are not counted"),
     "joints": Figure("Joints", "Places where curves meet"),
+    "surfaces": Figure(
+        "Surfaces", "Loops of curves that are filled; mirror images are not counted"
+    ),
     "loops": Figure(""),
     "closed": Figure("Closed", "Whether the surfaces enclose a volume"),
     "open_edges": Figure(""),
@@ -105,7 +108,7 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
         ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
         ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at
         vertices of the triangles, where alone files of triangles show it;
-        ``"joints"``: how many;
+        ``"joints"``, ``"surfaces"``: how many;
         ``"details"``: for each ``"id"``, ``"name"``, ``"kind"``, ``"carved"`` and
         ``"floor_error_mm"``, how far its floor is from the true offset, None where it is not
         carved; ``"walls"``: for each part with walls
@@ -120,6 +123,7 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
     return {
         "curves": len([curve for curve in result.curves if curve.spline is not None]),
         "joints": len(joints),
+        "surfaces": len(result.filled),
         "loops": [loop_names(one.loop, names) for one in result.patches],
         "patches": [_patch(one, result, names, edges, job) for one in result.filled],
         "edges": edges,

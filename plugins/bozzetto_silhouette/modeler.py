@@ -25,8 +25,15 @@ from bozzetto.plugin import (
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto_silhouette.analysis.figures import FIGURES
 from bozzetto_silhouette.analysis.report import cautions_of, report_of
+from bozzetto_silhouette.appearance.paint_layer import lost_paint, paint_facts
 from bozzetto_silhouette.appearance.part_groups import with_groups
-from bozzetto_silhouette.appearance.surface_look import Painted, painted, sketched, texture_of
+from bozzetto_silhouette.appearance.surface_look import (
+    finely_shown,
+    paint_edges,
+    painted,
+    sketched,
+    texture_of,
+)
 from bozzetto_silhouette.inflation.solidify import SilhouetteSolid
 from bozzetto_silhouette.model.sketch_plane import sheet_under
 from bozzetto_silhouette.model.state import Cut, Group, Part, SilhouetteState
@@ -89,7 +96,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
 
     id = "bozzetto.silhouette"
     state_type = SilhouetteState
-    state_version = 3
+    state_version = 4
     part_types = (Part, Cut, Group)
     first_parameters = ("inflation", "operation", "blend")
     figures = FIGURES
@@ -157,7 +164,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
             return SilhouetteResult(None, None, None, None, final, solids)
         if final:
             _united.put(_United(body, solids), state)
-        return SilhouetteResult(body, *_as_posed(state, body, job), final, solids)
+        return SilhouetteResult(body, *_as_posed(state, body, job, fine=final), final, solids)
 
     @override
     def scene(self, state: SilhouetteState, result: SilhouetteResult | None) -> Scene:
@@ -185,7 +192,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
             return Shapes()
         skin = result.skin
         if skin is None and (result.final or result.body.solid is not None):
-            skin = skinned(state, result.body, Painted(result.mesh, result.shown)).skin
+            skin = skinned(state, result.body, painted(state, result.body)).skin
         armature = armature_of(state)
         if skin is not None and armature is not None:
             clip = clip_of(armature, state)
@@ -216,12 +223,16 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
             state, result.body, result.solids, job, lambda: offers_to_attach(state, job)
         )
         rig = None if result.body is None else rig_of(state)
+        paint = None if result.body is None else paint_facts(state, result.body)
+        if paint is not None:
+            figures = {**figures, "paint": paint}
         return figures if rig is None else {**figures, "rig": rig_facts(rig)}
 
     @override
     def cautions(self, state: SilhouetteState, result: SilhouetteResult) -> tuple[Caution, ...]:
-        """Return cautions about strokes that are not in the shape, and about a coarser shape."""
-        return cautions_of(state, result.body)
+        """Return cautions about strokes that are not in the shape or on it, and a coarser shape."""
+        lost = () if result.body is None else lost_paint(state, result.body)
+        return (*cautions_of(state, result.body), *lost)
 
     # -- parts --
 
@@ -239,7 +250,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         Version 2 kept whether handles were shown. Version 1 had a flat list of parts that
         shared their parameters and never met.
         """
-        if version >= 2:
+        if version >= 2:  # version 3 had no strokes of paint
             return {key: value for key, value in state.items() if key != "held"}
         shared = {key: state[key] for key in ("inflation", "softness") if key in state}
         nodes = [
@@ -257,7 +268,7 @@ class _United(NamedTuple):
     solids: Mapping[str, SilhouetteSolid]
 
 
-@remembered(limit=4, key=lambda state: (state.nodes, state.resolution))
+@remembered(limit=4, key=lambda state: (state.unpainted, state.resolution))
 def _united(state: SilhouetteState) -> _United | None:
     """Return what was made of some nodes finally; only what was put here is known."""
     return None
@@ -266,16 +277,17 @@ def _united(state: SilhouetteState) -> _United | None:
 def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteResult:
     """Return what is shown while a value is dragged, a joint is, or a motion plays."""
     posed = state.posing or bool(state.turns)
-    known = _united.known(state) if posed else None
+    has_paint = any(part.paint_strokes for part in state.parts)
+    known = _united.known(state) if posed or has_paint else None
     if known is not None:
         return SilhouetteResult(
-            known.body, *_as_posed(state, known.body, job), False, known.solids
+            known.body, *_as_posed(state, known.body, job, fine=not posed), False, known.solids
         )  # fmt: skip
     draft, solids = draft_of(state, resolution, job.checkpoint)
     if draft is None:
         return SilhouetteResult(None, None, None, None, False, solids)
     if draft.body.solid is not None:  # one part by itself
-        moved = _as_posed(state, draft.body, job)
+        moved = _as_posed(state, draft.body, job, fine=False)
     else:
         mesh = sketched(state, draft, job.checkpoint)
         if posed:
@@ -284,12 +296,20 @@ def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteRes
     return SilhouetteResult(draft.body, *moved, False, solids)
 
 
-def _as_posed(state: SilhouetteState, body: Body, job: Job) -> Posed:
-    """Return a body's meshes with their colours, as its joints were turned."""
+def _as_posed(state: SilhouetteState, body: Body, job: Job, *, fine: bool) -> Posed:
+    """Return a body's meshes with their colours, as its joints were turned.
+
+    With `fine` what is shown has finer triangles where strokes of paint end.
+    """
     look = painted(state, body, job.checkpoint)
     if state.posing or state.turns:
-        return skinned(state, body, look, job.checkpoint)
-    return Posed(*look, None)
+        posed = skinned(state, body, look, job.checkpoint)
+    else:
+        posed = Posed(*look, None)
+    edges = paint_edges(state, body, job.checkpoint) if fine else None
+    if edges is None:
+        return posed
+    return posed._replace(shown=finely_shown(state, body, edges, posed.shown))
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:

@@ -87,6 +87,32 @@ def test_a_name_that_the_dialog_did_not_ask_about_is_asked_about(
     assert (tmp_path / "b.stl").read_bytes() == b"theirs"
 
 
+def test_an_export_proposes_the_place_of_the_last_one_of_this_document(
+    window, settle, tmp_path, monkeypatch
+):
+    proposals = []
+
+    def ask(_parent, _title, proposal, _kinds):
+        proposals.append(proposal)
+        return str(tmp_path / "cat.v2.stl"), "STL (*.stl)"
+
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", ask)
+    stl, glb = find("a.stl", writers()), find("a.glb", writers())
+    assert window.files.ask_place_of_export([stl])
+    settle(window.session, window.keeper)
+    window.files.ask_place_of_export([glb])
+    assert proposals[0].endswith("Untitled")
+    assert proposals[1] == str(tmp_path / "cat.v2")
+    window.session.files.save(tmp_path / "dog.bozz")
+    settle(window.session, window.keeper)
+    window.files.ask_place_of_export([stl])
+    assert proposals[2] == str(tmp_path / "dog")
+    window.session.files.new()
+    settle(window.session, window.keeper)
+    window.files.ask_place_of_export([stl])
+    assert proposals[3].endswith("Untitled")
+
+
 def test_a_document_that_is_open_elsewhere_can_be_taken_over(
     window, settle, qtbot, tmp_path, monkeypatch
 ):

@@ -13,13 +13,22 @@ import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QMenuBar, QMessageBox, QPushButton
+from PySide6.QtWidgets import (
+    QApplication,
+    QFileDialog,
+    QLineEdit,
+    QMenuBar,
+    QMessageBox,
+    QPushButton,
+)
 
 from bozzetto.document.storage.bozz_file import read_document
 from bozzetto.document.waiting_ink import strokes_of
 from bozzetto.exchange.formats import find, writers
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
 from bozzetto.scene.display_list import Shaded
+from bozzetto_app.panels.objects.object_row import ModelRow
+from bozzetto_app.widgets.text_field import TextField
 from bozzetto_app.workers.channel import Request
 from tests.app.seen import colour, darkness, part
 from tests.app.tablet import Mouse, Stylus, circle
@@ -670,3 +679,34 @@ def test_no_two_entries_of_a_menu_have_the_same_letter(make_window, settle):
             if "&" in (text := action.text().replace("&&", ""))
         ]
         assert len(set(letters)) == len(letters), [action.text() for action in menu.actions()]
+
+
+def test_enter_after_a_new_name_does_not_leave_the_object(window, draw, settle):
+    draw(window)
+    session = window.session
+    chosen = session.selection.id
+    assert chosen is not None
+    row = next(one for one in window.findChildren(ModelRow) if one.isVisible())
+    row.edit_name()
+    QApplication.processEvents()
+    assert row.rect().contains(row.editor.geometry())  # else its lower edge is cut off
+    QTest.keyClicks(row.editor, "Pony")
+    QTest.keyClick(row.editor, Qt.Key.Key_Return)
+    settle(session, window.keeper)
+    assert session.drawing.document.models[0].name == "Pony"
+    assert session.selection.id == chosen
+
+
+def test_enter_in_a_line_of_text_of_a_panel_does_not_leave_the_object(window, draw, settle):
+    """Also in that of a plugin's panel, which is any line of Qt's."""
+    draw(window)
+    chosen = window.session.selection.id
+    for made in (TextField, QLineEdit):
+        line = made(window.centralWidget())
+        line.show()
+        line.setFocus()
+        QTest.keyClicks(line, "Pony")
+        QTest.keyClick(line, Qt.Key.Key_Return)
+        settle(window.session, window.keeper)
+        assert line.text() == "Pony"
+        assert window.session.selection.id == chosen

@@ -49,9 +49,11 @@ class FileQuestions:
         self._session = session
         self._window = window
         self._box: QtWidgets.QMessageBox | None = None
+        self._exported: tuple[Path | None, Path] | None = None
         session.files.when_hindered = self.ask_hindered
         session.files.locked.connect(self.ask_take_over)
         session.commands.place_wanted.connect(self.ask_written)
+        session.drawing.opened.connect(self._forget_export)
 
     def ask_new(self) -> None:
         """Start on an empty sheet, once unsaved work is safe."""
@@ -255,7 +257,7 @@ class FileQuestions:
         kinds = ";;".join(
             f"{one.title} ({' '.join(f'*{ending}' for ending in one.endings)})" for one in formats
         )
-        first, is_asked = self._place(tr("Files", "Export"), kinds, "")
+        first, is_asked = self._place(tr("Files", "Export"), kinds, "", self._exported_before())
         if first is None:
             return False
         paths = [first]
@@ -267,6 +269,9 @@ class FileQuestions:
             paths = [stem.with_name(stem.name + ending) for ending in endings.values()]
         if not all((is_asked and path == first) or self._may_replace(path) for path in paths):
             return False
+        known = any(first.suffix.lower() in one.endings for one in formats)
+        stem = first.with_suffix("") if known else first
+        self._exported = self._session.drawing.path, stem
         self.when_printable(
             paths,
             lambda: self._session.files.exchange.export(*paths, handover=handover, names=names),
@@ -433,10 +438,24 @@ class FileQuestions:
         name, _ = QtWidgets.QFileDialog.getOpenFileName(self._window, title, self._folder(), kinds)
         return self._noted(name)
 
-    def _place(self, title: str, kinds: str, ending: str) -> tuple[Path | None, bool]:
-        """Return the chosen file, and whether the dialog asked about overwriting it."""
-        proposal = str(Path(self._folder()) / f"{self._session.drawing.title}{ending}")
-        name, chosen = QtWidgets.QFileDialog.getSaveFileName(self._window, title, proposal, kinds)
+    def _forget_export(self) -> None:
+        self._exported = None
+
+    def _exported_before(self) -> Path | None:
+        """Return where this document was exported last, without an ending."""
+        if self._exported is None or self._exported[0] != self._session.drawing.path:
+            return None
+        return self._exported[1]
+
+    def _place(
+        self, title: str, kinds: str, ending: str, before: Path | None = None
+    ) -> tuple[Path | None, bool]:
+        """Return the chosen file, and whether the dialog asked about overwriting it.
+
+        Proposed is the place before, or else the name of the document.
+        """
+        at = before or Path(self._folder()) / f"{self._session.drawing.title}{ending}"
+        name, chosen = QtWidgets.QFileDialog.getSaveFileName(self._window, title, str(at), kinds)
         path = self._noted(name)
         if path is None or path.suffix:
             return path, not ending or (path is not None and path.suffix.lower() == ending)

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Final, cast
 
 from PySide6.QtCore import QLocale, Qt, QTimer
-from PySide6.QtGui import QShowEvent
+from PySide6.QtGui import QImage, QPixmap, QShowEvent
 from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
@@ -16,12 +16,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from bozzetto.exchange.handover import SCALES, Handover, Lines, Unit, Up
+from bozzetto.exchange.handover import FEWEST_QUADS, SCALES, Handover, Lines, Unit, Up
 from bozzetto_app.dialogs.dialog import Page, label, quiet
 from bozzetto_app.i18n import tr
+from bozzetto_app.session.exchange import PictureCanvas
 from bozzetto_app.session.format_order import offered_formats
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import FRAME
+from bozzetto_app.toolkit import palette_of
 from bozzetto_app.widgets.choice import Segments
 from bozzetto_app.widgets.number_field import NumberField
 from bozzetto_app.widgets.toggle import Toggle
@@ -43,9 +45,14 @@ PAUSE_MS: Final = 250
 COLUMNS: Final = 4
 """Formats in a row."""
 
+PICTURE: Final = (400, 160)
+"""Width and height of the picture, pixels of the window."""
+
 LIST_HEIGHT: Final = 96
 LABEL_WIDTH: Final = 120
 MOST_TRIANGLES: Final = 5e7
+MOST_QUADS: Final = 2e5
+USUAL_QUADS: Final = 5000.0
 
 
 class HandoverDialog(Page):
@@ -73,6 +80,11 @@ class HandoverDialog(Page):
         self.state.setMinimumHeight(54)
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.column.addWidget(self.state)
+        self.picture = QLabel()
+        self.picture.setFixedHeight(PICTURE[1])
+        self.picture.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.picture.setAccessibleName(tr("Handover", "Picture of what will be written"))
+        self.column.addWidget(self.picture)
         self.in_sight.append(self.state)
         self.warning = label("", tone="warning")
         self.warning.hide()
@@ -147,6 +159,8 @@ class HandoverDialog(Page):
         self.scale.set_silently(_number(self._kept.value(f"{KEPT}scale", 1.0), 1.0))
         self.scale.edited.connect(self._change)
         self._add_row(tr("Handover", "Scale"), self.scale)
+        kinds = [("triangles", tr("Handover", "Triangles")), ("quads", tr("Handover", "Quads"))]
+        self.mesh = self._segments(tr("Handover", "Meshes of"), "mesh", kinds)
         self.triangles = NumberField(
             tr("Handover", "Triangle budget"),
             self,
@@ -159,15 +173,29 @@ class HandoverDialog(Page):
         self.triangles.set_silently(_number(self._kept.value(f"{KEPT}triangles", 0), 0.0))
         self.triangles.edited.connect(self._change)
         self._add_row(tr("Handover", "Triangle budget"), self.triangles)
+        self.quads = NumberField(
+            tr("Handover", "Number of quads"),
+            self,
+            minimum=float(FEWEST_QUADS),
+            maximum=MOST_QUADS,
+            step=500.0,
+            whole=True,
+        )
+        self.quads.set_silently(_number(self._kept.value(f"{KEPT}quads", USUAL_QUADS), USUAL_QUADS))
+        self.quads.edited.connect(self._change)
+        self._add_row(tr("Handover", "Number of quads"), self.quads)
         self.levels = self._toggle(tr("Handover", "Coarser levels (LOD)"), "levels")
         self.uvs = self._toggle(tr("Handover", "Texture coordinates (UVs)"), "uvs")
+        self.separate_parts = self._toggle(
+            tr("Handover", "Parts as separate objects"), "separate_parts"
+        )
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
-        kinds = [
+        drawings = [
             ("curves", tr("Handover", "Curves")),
             ("outlines", tr("Handover", "Outlines")),
             ("blueprint", tr("Handover", "Blueprint")),
         ]
-        self.lines = self._segments(tr("Handover", "Drawing (SVG, DXF)"), "lines", kinds)
+        self.lines = self._segments(tr("Handover", "Drawing (SVG, DXF)"), "lines", drawings)
         self.hidden = self._toggle(tr("Handover", "Hidden lines, dashed"), "hidden")
 
     def _segments(self, words: str, key: str, options: list[tuple[str, str]]) -> Segments:
@@ -209,11 +237,13 @@ class HandoverDialog(Page):
             up=None if up in ("", USUAL) else cast(Up, up),
             scale=self.scale.value(),
             triangles=(int(self.triangles.value()) or None) if self.triangles.isEnabled() else None,
+            quads=int(self.quads.value()) if self.quads.isEnabled() else None,
             lay_flat=self.lay_flat.isChecked(),
             lines=None if lines in ("", "curves") else cast(Lines, lines),
             hidden=_is_on(self.hidden),
             levels=_is_on(self.levels),
             uvs=_is_on(self.uvs),
+            separate_parts=_is_on(self.separate_parts),
         )
 
     @property
@@ -236,9 +266,12 @@ class HandoverDialog(Page):
         heeded: dict[QWidget, bool] = {
             self.unit: "unit" in heeds or ("lines" in heeds and self.lines.value == "blueprint"),
             self.up: "up" in heeds,
-            self.triangles: "triangles" in heeds,
+            self.mesh: "quads" in heeds,
+            self.triangles: "triangles" in heeds and self.mesh.value == "triangles",
+            self.quads: "quads" in heeds and self.mesh.value == "quads",
             self.levels: "levels" in heeds,
             self.uvs: "uvs" in heeds,
+            self.separate_parts: "separate_parts" in heeds,
             self.lines: "lines" in heeds,
             self.hidden: "hidden" in heeds and self.lines.value != "curves",
         }
@@ -262,7 +295,8 @@ class HandoverDialog(Page):
     def _look(self) -> None:
         endings = [self._offered[one].endings[0] for one in self.chosen]
         if endings and self.names != ():
-            self._session.files.exchange.foresee(endings, self.handover, self.names)
+            canvas = PictureCanvas(palette_of(self), PICTURE, self.devicePixelRatioF())
+            self._session.files.exchange.foresee(endings, self.handover, self.names, canvas)
 
     def _show(self, seen: Foreseen) -> None:
         if self._pause.isActive():
@@ -274,9 +308,24 @@ class HandoverDialog(Page):
             for ending, count in seen.files
         )
         count = locale.toString(seen.triangles)
-        self.state.setText(
-            tr("Handover", "{size} mm · {count} triangles", size=size, count=count) + f"\n{files}"
-        )
+        quads = locale.toString(seen.quads)
+        if seen.quads:
+            said = tr(
+                "Handover",
+                "{size} mm · {quads} quads, {count} triangles",
+                size=size,
+                quads=quads,
+                count=count,
+            )
+        else:
+            said = tr("Handover", "{size} mm · {count} triangles", size=size, count=count)
+        self.state.setText(f"{said}\n{files}")
+        if seen.picture is not None:
+            height, width = seen.picture.shape[:2]
+            pixels = seen.picture.tobytes()
+            image = QImage(pixels, width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
+            image.setDevicePixelRatio(width / PICTURE[0])
+            self.picture.setPixmap(QPixmap.fromImage(image))
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
@@ -297,6 +346,7 @@ class HandoverDialog(Page):
         )
 
     def _refuse(self, words: str) -> None:
+        self.picture.clear()
         self.state.setText(words)
         self.warning.hide()
 
@@ -308,6 +358,8 @@ class HandoverDialog(Page):
             "up": self.up.value,
             "scale": wanted.scale,
             "triangles": int(self.triangles.value()),
+            "mesh": self.mesh.value,
+            "quads": int(self.quads.value()),
             "lines": self.lines.value,
         }
         toggles = {
@@ -315,6 +367,7 @@ class HandoverDialog(Page):
             "hidden": self.hidden,
             "levels": self.levels,
             "uvs": self.uvs,
+            "separate_parts": self.separate_parts,
         }
         kept |= {key: "yes" if toggle.isChecked() else "" for key, toggle in toggles.items()}
         for key, value in kept.items():

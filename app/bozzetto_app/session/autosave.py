@@ -113,7 +113,7 @@ class Keeper(QObject):
         self.files_at_crash: tuple[str, ...] = ()
         self._store = RecoveryStore(folder)
         self._sheet = _OnSheet(session.drawing.history, DrawingRecord(self._store))
-        self._landing: BroughtBack | None = None
+        self._restored: BroughtBack | None = None
         self._coming: set[str] = set()
         self._unwritten: list[_OnSheet] = []
         self._is_told = False
@@ -194,7 +194,7 @@ class Keeper(QObject):
 
             def show() -> None:
                 self._coming.discard(crashed.id)
-                self._landing = BroughtBack(crashed, recovered.is_whole)
+                self._restored = BroughtBack(crashed, recovered.is_whole)
                 files.show(
                     claim,
                     recovered.document,
@@ -280,8 +280,8 @@ class Keeper(QObject):
         drawing = self._drawing
         if drawing.history is not self._sheet.history:
             self._leave(self._sheet)
-            landing, self._landing = self._landing, None
-            self._sheet = _OnSheet(drawing.history, DrawingRecord(self._store, landing))
+            restored, self._restored = self._restored, None
+            self._sheet = _OnSheet(drawing.history, DrawingRecord(self._store, restored))
         sheet = self._sheet
         sheet.is_unsaved = drawing.is_modified
         if sheet.last is None and not sheet.is_unsaved:

@@ -23,10 +23,15 @@ from bozzetto_app.session.notices import Notice, Notices
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from bozzetto.document.model import Document, Model
+    from bozzetto.exchange.export import Exported, Ready
     from bozzetto.exchange.handover import Handover
     from bozzetto.exchange.reading import MeshFile
     from bozzetto.plugin.job import Job
+    from bozzetto.scene.palette import Palette
     from bozzetto.view.camera import Camera
     from bozzetto.workbench.export_document import ObjectShapes
     from bozzetto.workbench.workbench import Workbench
@@ -38,7 +43,7 @@ if TYPE_CHECKING:
     from bozzetto_app.session.toolbox import Toolbox
     from bozzetto_app.session.view_state import ViewState
 
-__all__ = ["Exchange", "Foreseen"]
+__all__ = ["Exchange", "Foreseen", "PictureCanvas"]
 
 MESH_MODELER = "bozzetto.mesh"
 
@@ -51,17 +56,31 @@ class Foreseen(NamedTuple):
     size : (x, y, z)
         Of everything together, mm.
     triangles : int
+        Of all meshes; of quads those that are left between them.
+    quads : int
         Of all meshes.
     files : tuple of (str, int)
         The ending of each file, and its size in bytes.
     warnings : tuple of str
         What would be missing.
+    picture : (h, w, 4) uint8 array, optional
+        Of the triangles and curves, or of the drawing where nothing else is written.
     """
 
     size: tuple[float, float, float]
     triangles: int
+    quads: int
     files: tuple[tuple[str, int], ...]
     warnings: tuple[str, ...]
+    picture: NDArray[np.uint8] | None = None
+
+
+class PictureCanvas(NamedTuple):
+    """Colours and size of a small picture: of the window, and how many pixels each of its has."""
+
+    palette: Palette
+    size: tuple[int, int]
+    scale: float
 
 
 class Exchange(QObject):
@@ -164,7 +183,7 @@ class Exchange(QObject):
         waiting = self._drawing.document.waiting
 
         def write(job: Job) -> tuple[str, ...]:
-            objects, made = work(job, paths)
+            objects, made, _ = work(job, paths)
             # Making files asks nobody; who stopped it meanwhile was told that nothing is changed.
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
             for path, file in zip(paths, made, strict=True):
@@ -190,6 +209,7 @@ class Exchange(QObject):
         endings: Sequence[str],
         handover: Handover | None = None,
         names: Sequence[str] | None = None,
+        canvas: PictureCanvas | None = None,
     ) -> None:
         """Look what an export would be, and tell by `foreseen`; nothing is written.
 
@@ -202,25 +222,27 @@ class Exchange(QObject):
             Of the files.
         handover, names
             As in `export`.
+        canvas : PictureCanvas, optional
+            What a small picture is to be made for.
         """
         work = self._making(names, handover, keep=True)
         paths = tuple(Path(f"a{ending}") for ending in endings)
         newest = self._newest_look = object()
 
         def look(job: Job) -> Foreseen:
-            from bozzetto.exchange.export import Ready
-            from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.exchange.triangle_budget import triangle_count
 
-            objects, made = work(job, paths)
-            ready = Ready(objects.shapes, handover or AS_USUAL)
+            objects, made, ready = work(job, paths)
             sizes = [len(file.data) + sum(len(data) for _, data in file.beside) for file in made]
             told = (*objects.warnings(), *_warnings(made))
+            quads = ready.quads
             return Foreseen(
                 ready.size,
-                triangle_count(ready.triangles),
+                triangle_count(ready.triangles) if quads is None else quads.triangles,
+                0 if quads is None else quads.quads,
                 tuple(zip(endings, sizes, strict=True)),
                 tuple(dict.fromkeys(told)),
+                None if canvas is None else _picture(ready, made, canvas),
             )
 
         def done(seen: Foreseen) -> None:
@@ -251,6 +273,7 @@ class Exchange(QObject):
         ]
 
         def work(job: Job, paths: Sequence[Path]) -> Any:
+            from bozzetto.exchange.export import Ready
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
             from bozzetto.workbench.films import with_recording
@@ -263,10 +286,9 @@ class Exchange(QObject):
             if keep:
                 self._looked_at = document, names, objects
             asked = handover or AS_USUAL
-            made = prepared_files(
-                objects, paths, camera, whole=False, handover=asked, checkpoint=job.checkpoint
-            )
-            return objects, made
+            ready = Ready(objects.shapes, asked, job.checkpoint, objects.recording)
+            made = prepared_files(objects, paths, camera, whole=False, handover=asked, ready=ready)
+            return objects, made, ready
 
         return work
 
@@ -322,6 +344,7 @@ class Exchange(QObject):
         context, history, document = self._context.now(), drawing.history, drawing.document
 
         def work(job: Job) -> tuple[Model, bool, Camera | None, Notice | None]:
+            from bozzetto.exchange.cad.curves_drawing import are_flat
             from bozzetto.exchange.import_file import is_mesh, read_drawing, read_mesh_file
             from bozzetto.ink.drawing import MODELER_FACT
 
@@ -330,8 +353,16 @@ class Exchange(QObject):
 
             if is_mesh(path):
                 mesh = read_mesh_file(path, checkpoint=reading)
-                model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
-                return model, False, None, _told_of(mesh)
+                curves = mesh.shapes.curves
+                modeler = active if active and curves and are_flat(curves) else MESH_MODELER
+                drawing = bench.sources.ink_of_file(modeler, mesh, path.stem)
+                if drawing is None:
+                    model = bench.sources.from_mesh_file(MESH_MODELER, mesh, path.stem)
+                    return model, False, None, _told_of(mesh)
+                here = replace(context, camera=drawing.camera)
+                model = bench.sources.from_drawing(modeler, drawing, {}, here, job)
+                told = " ".join((*mesh.told(), *drawing.left_out))
+                return model, False, drawing.camera, Notice("error", told) if told else None
             with _as_file(path, content) as place:
                 ink = read_drawing(place, checkpoint=reading)
             ink = replace(ink, name=title or ink.name)
@@ -389,6 +420,16 @@ def _told_of(mesh: MeshFile) -> Notice | None:
     """Return what is said of a mesh file: how it was read, and what is missing."""
     said = mesh.told()
     return Notice("error" if mesh.left_out else "info", " ".join(said)) if said else None
+
+
+def _picture(ready: Ready, made: Sequence[Exported], canvas: PictureCanvas) -> NDArray[np.uint8]:
+    """Return a small picture of what files hold."""
+    from bozzetto.exchange.export_picture import picture_of_page, picture_of_shapes
+
+    pages = [file.page for file in made if file.page is not None]
+    if len(pages) == len(made):
+        return picture_of_page(pages[0], *canvas)
+    return picture_of_shapes(ready.triangles, *canvas)
 
 
 def _warnings(made: Sequence[Any]) -> list[str]:

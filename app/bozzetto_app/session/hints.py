@@ -68,6 +68,7 @@ class Hints(QObject):
         self._asked: Question = None
         self._answer: NextStep | None = None
         self._failed: set[str] = set()
+        self._wish = ""
         for signal in (
             drawing.changed,
             drawing.waiting_changed,
@@ -83,6 +84,11 @@ class Hints(QObject):
         question = self._question()
         if not _same(question, self._asked):
             self._ask(question)
+        self._show()
+
+    def wish(self, words: str) -> None:
+        """Say what to touch for something other than a tool; "" when that is done."""
+        self._wish = words
         self._show()
 
     def _ask(self, question: Question) -> None:
@@ -129,6 +135,8 @@ class Hints(QObject):
 
     def _now(self) -> NextStep:
         toolbox = self._toolbox
+        if self._wish:
+            return NextStep(self._wish)
         if not toolbox.modeler:
             return NextStep(tr("Session", "Choose a modeler first."))
         waiting = self._for_waiting_ink()

@@ -39,7 +39,8 @@ class Selection(QObject):
     """The model that is selected in a document.
 
     A model that leaves the document is no longer selected. A model that a gesture made is
-    selected, and so is the last model of a document that is opened.
+    selected, and so is the last model of a document that is opened. Where undo takes away the
+    selected model, the one that was selected before is so again, if it is of the same modeler.
 
     Attributes
     ----------
@@ -58,6 +59,8 @@ class Selection(QObject):
         super().__init__(parent)
         self.id: str | None = None
         self._modeler = ""
+        self._before: tuple[str | None, str] = (None, "")
+        self._lost = ""
         self._drawing = drawing
         drawing.models_changed.connect(self._look_at_selected)
         drawing.applied.connect(self.select)
@@ -79,7 +82,9 @@ class Selection(QObject):
 
     def select(self, model_id: str | None) -> None:
         """Select a model, or none."""
+        self._lost = ""
         if model_id != self.id:
+            self._before = self.id, self._modeler
             self.id = model_id
             self._note_modeler()
             self.changed.emit()
@@ -88,7 +93,10 @@ class Selection(QObject):
         """Drop a model that was removed, and tell of one that another modeler has read."""
         model, before = self.model, self._modeler
         if model is None:
+            earlier = self._before
+            lost = "" if self.id is None else before
             self.select(None)
+            self._before, self._lost = earlier, lost
             return
         self._modeler = model.modeler
         if before not in ("", model.modeler):
@@ -99,11 +107,18 @@ class Selection(QObject):
         self._modeler = "" if model is None else model.modeler
 
     def _select_returned(self, returned: list[str]) -> None:
-        """Select a model that undo brought back, where nothing is selected."""
-        if returned and self.id is None:
+        """Select a model that undo brought back, or the one before, where nothing is selected."""
+        earlier, modeler = self._before
+        lost, self._lost = self._lost, ""
+        if self.id is not None:
+            return
+        if returned:
             self.select(returned[-1])
+        elif lost and lost == modeler and any(one.id == earlier for one in self._drawing.document):
+            self.select(earlier)
 
     def _clear(self, coming: Document) -> None:
+        self._before, self._lost = (None, ""), ""
         self.id = None  # `changed` follows when the next document is there
 
     def _select_last(self) -> None:

@@ -128,6 +128,7 @@ class Session(QObject):
             notices,
             self,
         )
+        placing.changed.connect(lambda: self.hints.wish(placing.wish))
         drawings = DrawingInput(bench, drawing, selection, context, edits, notices, self)
         clipboard = ObjectClipboard(bench, drawing, selection, objects, notices, self)
         exchange = Exchange(

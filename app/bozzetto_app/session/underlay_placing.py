@@ -176,7 +176,6 @@ class UnderlayPlacing(QObject):
         """Expect four touches: a place and where it belongs, twice."""
         if self.place is not None:
             self._touched = []
-            self._notices.tell(self.wish)
             self._refresh()
 
     def end_alignment(self) -> bool:
@@ -203,7 +202,6 @@ class UnderlayPlacing(QObject):
         touched = [*self._touched, (x, y, z)]
         if len(touched) < 4:
             self._touched = touched
-            self._notices.tell(self.wish)
         else:
             self._touched = None
             if self._put(lambda: aligned(underlay, touched[::2], touched[1::2])):

@@ -22,7 +22,7 @@ from bozzetto.cli.output import (
     warn,
     workbench,
     write_by_command,
-    write_output,
+    write_outputs,
     write_report,
     writing_command,
 )
@@ -44,18 +44,21 @@ def build(options: argparse.Namespace) -> int:
     values = _settings(bench, modeler_id, options.set)
     inputs = [Path(name) for name in options.inputs]
     targets = _targets(inputs, options.output, options.format)
-    for target in targets:
+    files = [file for row in targets for file in row]
+    for file in files:
         if not options.command_id:
-            _check_ending(bench, modeler_id, target)
-    refuse_overwriting(inputs, targets, options.report)
+            _check_ending(bench, modeler_id, file)
+    if options.command_id and len(files) > len(targets):
+        raise UserError("A command writes one file. Give -o once.")
+    refuse_overwriting(inputs, files, options.report)
     handover_of(options)  # a wrong switch is told before the first input is read
     reports: list[dict[str, Any]] = []
     code = 0
-    for number, (source, target) in enumerate(zip(inputs, targets, strict=True), 1):
+    for number, (source, row) in enumerate(zip(inputs, targets, strict=True), 1):
         if len(inputs) > 1:
-            print(f"[{number}/{len(inputs)}] {source.name} → {target}", file=sys.stderr)
+            print(f"[{number}/{len(inputs)}] {source.name} → {row[0]}", file=sys.stderr)
         try:
-            report, written = _build_one(bench, modeler_id, source, target, values, options)
+            report, written = _build_one(bench, modeler_id, source, row, values, options)
         except (UserError, PluginFault) as problem:
             if len(inputs) == 1:
                 raise
@@ -64,7 +67,7 @@ def build(options: argparse.Namespace) -> int:
             complain(f"{source.name}: {words}")
             code = max(code, EXIT_FAULT if fault else EXIT_ERROR)
             continue
-        told = {"input": str(source), "output": str(target), "report": report}
+        told = {"input": str(source), "output": str(row[0]), "report": report}
         reports.append(told | written)
     if options.report and reports:
         single = reports[0]["report"] | {k: v for k, v in reports[0].items() if k == "written"}
@@ -89,11 +92,11 @@ def _build_one(
     bench: Any,
     modeler_id: str,
     source: Path,
-    target: Path,
+    targets: Sequence[Path],
     values: dict[str, object],
     options: argparse.Namespace,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Build one input; its report where one is wanted, and what was written of it."""
+    """Build one input, solved once; its report where one is wanted, and what was written of it."""
     from bozzetto.document.model import Document
     from bozzetto.exchange.formats import find, readers
     from bozzetto.exchange.import_file import (
@@ -116,6 +119,8 @@ def _build_one(
     elif not source.is_dir() and is_mesh(source):
         mesh = read_mesh_file(source, trusted=options.trust_file)
         warn(mesh.told(values))
+        drawing = bench.sources.ink_of_file(modeler_id, mesh, source.stem)
+        mesh = mesh if drawing is None else None
     else:
         if not source.is_dir():
             find(source, readers())
@@ -132,22 +137,25 @@ def _build_one(
         report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
         camera = None if drawing is None else drawing.camera
         if options.command_id:
-            write_by_command(bench, model, options.command_id, target)
+            write_by_command(bench, model, options.command_id, targets[0])
             warn(caution.message for caution in bench.cautions(model, Job()))
             return report, {}
-        written = write_output(
+        written = write_outputs(
             bench,
             Document((model,), camera=camera, underlays=underlays),
-            target,
+            targets,
             view=options.view,
             refuse_baseless=not options.allow_template,
             handover=handover_of(options),
         )
-        if written is None:
+        if written == [None]:
             warn(caution.message for caution in bench.cautions(model, Job()))
     except UserError as problem:
         raise UserError(problem.message + _places(problem, drawing)) from problem
-    return report, {} if written is None else {"written": written}
+    told = [one for one in written if one is not None]
+    if not told:
+        return report, {}
+    return report, {"written": told[0] if len(targets) == 1 else told}
 
 
 def _places(problem: UserError, drawing: Any) -> str:
@@ -190,7 +198,24 @@ def _settings(bench: Workbench, modeler_id: str, assignments: Sequence[str]) -> 
     return values
 
 
-def _targets(inputs: Sequence[Path], output: str, ending: str | None) -> list[Path]:
+def _targets(
+    inputs: Sequence[Path], outputs: Sequence[str], ending: str | None
+) -> list[tuple[Path, ...]]:
+    """Return the files to write of each input."""
+    if len(outputs) > 1:
+        if len(inputs) > 1 or ending is not None:
+            raise UserError("Several outputs are of one input. Name a folder and --format instead.")
+        if not all(outputs):
+            raise UserError("The output has no name. Say where to write it.")
+        if any(one.endswith(("/", "\\")) or os.path.isdir(one) for one in outputs):
+            raise UserError("One of several outputs is a folder. Name a file each time.")
+        if len(set(outputs)) < len(outputs):
+            raise UserError("Two outputs have the same name. Name each once.")
+        return [tuple(map(Path, outputs))]
+    return [(target,) for target in _single_targets(inputs, outputs[0], ending)]
+
+
+def _single_targets(inputs: Sequence[Path], output: str, ending: str | None) -> list[Path]:
     if not output:
         raise UserError("The output has no name. Say where to write it.")
     folder = len(inputs) > 1 or output.endswith(("/", "\\")) or os.path.isdir(output)

@@ -54,13 +54,18 @@ def facts_of(path: Path, *, trusted: bool = False) -> dict[str, Any]:
             "left_out": list(drawing.left_out),
         }
     mesh = read_mesh_file(path, trusted=trusted)
-    parts = list(mesh.upright.meshes())
-    bounds = np.array([part.mesh.bounds for part in parts])
+    shapes = mesh.upright
+    parts = list(shapes.meshes())
+    bounds = [part.mesh.bounds for part in parts]
+    reach = [curve.control_points for curve in shapes.curves]
+    bounds += [np.array([points.min(axis=0), points.max(axis=0)]) for points in reach]
+    low, high = np.min(bounds, axis=(0, 1)), np.max(bounds, axis=(0, 1))
     return {
         "kind": "mesh",
         "parts": len(parts),
         "vertices": sum(len(part.mesh.vertices) for part in parts),
         "triangles": sum(len(part.mesh.faces) for part in parts),
-        "size_mm": [round(float(v), 6) for v in bounds[:, 1].max(0) - bounds[:, 0].min(0)],
+        **({"curves": len(shapes.curves)} if shapes.curves else {}),
+        "size_mm": [round(float(v), 6) for v in high - low],
         "told": list(mesh.told()),
     }

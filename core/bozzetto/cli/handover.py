@@ -16,12 +16,20 @@ def add_handover(command: argparse.ArgumentParser) -> None:
     group.add_argument("--scale", metavar="S", default="1", help="make it larger or smaller")
     group.add_argument("--triangles", metavar="N", help="at most so many triangles together")
     group.add_argument(
+        "--quads", metavar="N", help="about so many quads together, along the shape; OBJ, PLY, USD"
+    )
+    group.add_argument(
         "--lods", action="store_true", help="two coarser levels of detail in the same GLB"
     )
     group.add_argument(
         "--uvs",
         action="store_true",
         help="places for a picture to be painted on, one for all parts, in GLB, OBJ and USD",
+    )
+    group.add_argument(
+        "--separate-parts",
+        action="store_true",
+        help="each named part of an object as an object of its own, in GLB, OBJ and USD",
     )
     group.add_argument(
         "--lay-flat", action="store_true", help="lay it on its steadiest face, for printing"
@@ -50,11 +58,13 @@ def handover_of(options: argparse.Namespace) -> Any:
         up=options.up,
         scale=_number(options.scale, "--scale", float),
         triangles=None if most is None else _number(most, "--triangles", int),
+        quads=None if options.quads is None else _number(options.quads, "--quads", int),
         lay_flat=options.lay_flat,
         lines=options.drawing,
         hidden=options.hidden,
         levels=options.lods,
         uvs=options.uvs,
+        separate_parts=options.separate_parts,
     )
 
 

@@ -138,7 +138,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="INPUT",
         help="ink JSON, SVG, InkML, or a document whose ink is read; for some a picture or a mesh",
     )
-    build.add_argument("-o", "--output", required=True, help="a file, or a folder for several")
+    build.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        action="append",
+        help="a file, again for each format of one input; or a folder for several inputs",
+    )
     build.add_argument("--format", help="file ending of the outputs, for a folder")
     build.add_argument(
         "--set",

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -30,6 +31,7 @@ from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
 from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
 from bozzetto.exchange.mesh.polygons import without_degenerate
+from bozzetto.exchange.separate_parts import separate_parts
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.placement import Placement
@@ -38,8 +40,18 @@ from bozzetto.geometry.shapes import Shapes
 from bozzetto.ink.drawing import Drawing
 from bozzetto.view.camera import Camera
 
+if TYPE_CHECKING:
+    from bozzetto.exchange.line_drawing.page import Page
+    from bozzetto.exchange.quad_budget import Quadrangulated
+
 WRITERS: Final = writers("mesh", "surfaces", "curves")
 """Formats of shapes."""
+
+FAR: Final = 0.01
+"""Distance of quads from the shape that is told, as a share of its diagonal."""
+
+MISSED: Final = 0.1
+"""Share by which the number of quads may miss before it is told."""
 
 WORDS: Final[dict[Kind, str]] = {"mesh": "surfaces", "surfaces": "exact surfaces"}
 """Words for a kind of content, where it is not the kind's own name."""
@@ -61,6 +73,8 @@ class Exported:
         Files that it names, in the same folder, each with its name.
     notes : tuple of str
         Wishes that could not be fulfilled, a sentence each.
+    page : Page, optional
+        The drawing, where the file is one of edges and outlines, or a blueprint.
     """
 
     format: Format
@@ -69,6 +83,7 @@ class Exported:
     left_out: tuple[LeftOut, ...]
     beside: tuple[tuple[str, bytes], ...] = ()
     notes: tuple[str, ...] = ()
+    page: Page | None = None
 
     def warnings(self) -> tuple[str, ...]:
         """Warnings for the person, a sentence each."""
@@ -157,7 +172,7 @@ def export(
     camera : Camera, optional
         The view for flat formats; by default the front view of all there is.
     handover : Handover
-        Unit, axes, size and number of triangles.
+        Unit, axes, size, number of triangles or quads.
 
     Returns
     -------
@@ -270,6 +285,8 @@ class Ready:
         """
         if self.recording is None or self.handover.levels:
             return {}
+        if len(list(written.meshes())) != len(self.recording.motions):
+            return {}  # parts that were taken apart for the file
         change = self._placed[1]
         back = change.inverse()
         rows = zip(written.meshes(), self.recording.motions, strict=True)
@@ -294,10 +311,22 @@ class Ready:
 
     @cached_property
     def triangles(self) -> Shapes:
-        """Shapes of triangles, no more than are wanted."""
+        """Shapes of triangles, no more than are wanted; two for each quad that is wanted."""
+        if self.quads is not None:
+            return self.quads.shapes
         shapes = meshed(self.placed)
         most = self.handover.triangles
         return shapes if most is None else within_budget(shapes, most)
+
+    @cached_property
+    def quads(self) -> Quadrangulated | None:
+        """Shapes of quads, about as many as are wanted; None where none are."""
+        count = self.handover.quads
+        if count is None:
+            return None
+        from bozzetto.exchange.quad_budget import within_quads
+
+        return within_quads(meshed(self.placed), count, self.checkpoint)
 
     @cached_property
     def coarser(self) -> tuple[Shapes, ...]:
@@ -335,6 +364,8 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     notes = _notes(chosen, ready, camera)
     if "levels" in chosen.keeps:
         coarser = [_readably_named(with_place(one, chosen)) for one in ready.coarser]
+    if wanted.separate_parts and "parts" in chosen.keeps:
+        written, *coarser = separate_parts([written, *coarser])
     if "uvs" in chosen.keeps:
         given |= {"uvs": wanted.uvs, "checkpoint": ready.checkpoint}
         if wanted.uvs:
@@ -370,7 +401,7 @@ def _drawing(ready: Ready, chosen: Format, title: str, camera: Camera | None) ->
     unit = frame_of(chosen, wanted).unit if wanted.lines == "outlines" else MILLIMETRES.unit
     data = page_svg(page) if chosen.id == "svg" else page_dxf(page, unit)
     notes = _notes(chosen, ready, camera)
-    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes)
+    return Exported(chosen, data, _readably_named(ready.placed), (), notes=notes, page=page)
 
 
 def frame_of(chosen: Format, wanted: Handover) -> FileFrame:
@@ -429,14 +460,20 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
         found.append("Hidden lines are dashed in outlines and blueprints only.")
     if wanted.triangles is not None and "triangles" not in chosen.heeds and not drawn:
         found.append(f"{chosen.short} files hold no triangles, so that none were taken away.")
+    if wanted.quads is not None and "quads" not in chosen.heeds and not drawn:
+        found.append(f"{chosen.short} files hold no quads. OBJ, PLY and USD do.")
     if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
+    if wanted.separate_parts and "separate_parts" not in chosen.heeds:
+        found.append(f"{chosen.short} files hold objects whole. GLB, USD and OBJ part them.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:
         skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]
         if any(len(skin.clips) > 1 for skin in skins):
             found.append(
                 f"{chosen.short} files play one motion: the first. The others lie beside it."
             )
+    if "mesh" in chosen.holds and ready.quads is not None:
+        found += _quad_notes(chosen, ready.quads, wanted.quads or 0, math.hypot(*ready.size))
     if "mesh" in chosen.holds and wanted.triangles is not None:
         count = triangle_count(ready.triangles)
         if count > wanted.triangles:
@@ -445,6 +482,35 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
                 "not hold together."
             )
     return tuple(found)
+
+
+def _quad_notes(chosen: Format, made: Quadrangulated, wanted: int, size: float) -> list[str]:
+    """Return sentences about quads that are not as they are wanted, on shapes of a size, mm."""
+    found = []
+    if "quads" not in chosen.keeps:
+        found.append(
+            f"{chosen.short} files hold triangles: each quad is two of them. OBJ, PLY and USD hold "
+            "quads."
+        )
+    count = made.quads + made.triangles
+    if not 1.0 - MISSED <= count / wanted <= 1.0 + MISSED:
+        found.append(
+            f"It has {count:,} faces, not {wanted:,}: its edges and holes leave no other number. "
+            "Ask for more, or for fewer parts."
+        )
+    if made.deviation > FAR * size:
+        found.append(
+            f"Its quads lie up to {made.deviation:.3g} mm from the shape, at its thinnest places. "
+            "Ask for more quads."
+        )
+    if made.joined:
+        names = ", ".join(f"“{name}”" for name in made.joined[:3])
+        more = " and others" if len(made.joined) > 3 else ""
+        found.append(
+            f"The quads of {names}{more} are pairs of triangles, which do not follow the shape: "
+            "it has details finer than such quads. Ask for more quads."
+        )
+    return found
 
 
 def _pictures_apart(shapes: Shapes) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
-Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims"]
+Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims", "parts", "quads"]
 Choice = Literal["unit", "up"]
 
 
@@ -56,10 +56,11 @@ class Format:
         Which ways we go.
     module : str
         The module of the functions, in this package.
-    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims"}
+    keeps : tuple of {"colors", "bones", "motions", "levels", "uvs", "trims", "parts", "quads"}
         What is written of a mesh besides its shape: painted colours, the bones that it follows,
-        all motions of these side by side, coarser levels of detail, places for a picture to come;
-        and whether faces of exact surfaces may be trimmed.
+        all motions of these side by side, coarser levels of detail, places for a picture to come,
+        faces of four corners; whether faces of exact surfaces may be trimmed, and objects in
+        objects.
     flat : bool
         Shapes are written as seen through a camera.
     frame : FileFrame
@@ -93,10 +94,12 @@ class Format:
     @property
     def heeds(self) -> frozenset[str]:
         """Names of what a `Handover` may wish that changes such a file."""
-        of_meshes = ("triangles",) if "mesh" in self.holds else ()
+        of_meshes = ("triangles", "quads") if "mesh" in self.holds else ()
         of_drawings = ("lines", "hidden") if self.draws else ()
         kept = {"levels", "uvs"}.intersection(self.keeps)
-        return frozenset(("scale", "lay_flat", *self.choices, *of_meshes, *of_drawings, *kept))
+        parts = ("separate_parts",) if "parts" in self.keeps else ()
+        always = ("scale", "lay_flat")
+        return frozenset((*always, *self.choices, *of_meshes, *of_drawings, *kept, *parts))
 
     @property
     def short(self) -> str:
@@ -109,7 +112,7 @@ EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")
 
 PAINTED: Final[tuple[Feature, ...]] = ("colors",)
 
-POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs")
+POSABLE: Final[tuple[Feature, ...]] = ("colors", "bones", "uvs", "parts", "quads")
 
 TRIMMED: Final[tuple[Feature, ...]] = ("trims",)
 
@@ -155,7 +158,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.glb",
-        ("colors", "bones", "motions", "levels", "uvs"),
+        ("colors", "bones", "motions", "levels", "uvs", "parts"),
         frame=METRES,
         links=True,
     ),
@@ -178,7 +181,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.obj",
-        ("colors", "uvs"),
+        ("colors", "uvs", "parts", "quads"),
         frame=UPRIGHT,
         choices=ANY,
         beside=True,
@@ -230,7 +233,7 @@ FORMATS: Final = (
         True,
         True,
         "mesh.ply",
-        PAINTED,
+        ("colors", "quads"),
         choices=ANY,
         links=True,
     ),
@@ -250,7 +253,7 @@ FORMATS: Final = (
     Format("iges", "IGES for CAD", (".iges", ".igs"), EXACT, True, False, "cad.iges", TRIMMED),
     Format(
         "cad",
-        "STEP and IGES bodies",
+        "STEP and IGES bodies and curves",
         (".step", ".stp", ".iges", ".igs"),
         ("mesh",),
         False,

@@ -1,4 +1,4 @@
-"""How shapes leave for other programs: unit, axes, size, number of triangles, lines or surfaces."""
+"""How shapes leave for other programs: unit, axes, size, triangles or quads, lines or surfaces."""
 
 from __future__ import annotations
 
@@ -36,6 +36,9 @@ LEVELS: Final = (4, 16)
 
 FEWEST_TRIANGLES: Final = 4
 """A tetrahedron has so many."""
+
+FEWEST_QUADS: Final = 6
+"""A box has so many."""
 
 SCALES: Final = (1e-4, 1e4)
 """Least and largest scale."""
@@ -96,6 +99,9 @@ class Handover:
         Makes the things themselves larger or smaller.
     triangles : int, optional
         The most triangles of all meshes together.
+    quads : int, optional
+        About so many faces of all meshes together, most of them quads that follow the shape. Not
+        together with a number of triangles.
     lay_flat : bool
         Lay everything on its steadiest face, at z = 0, as printers like it.
     lines : {"outlines", "blueprint"}, optional
@@ -109,6 +115,9 @@ class Handover:
     uvs : bool
         Whether parts without a picture are laid out flat for one, where the format has a place
         for that.
+    separate_parts : bool
+        Whether each named group of a mesh is an object of its own, where the format has objects
+        in objects.
 
     Raises
     ------
@@ -120,11 +129,13 @@ class Handover:
     up: Up | None = None
     scale: float = 1.0
     triangles: int | None = None
+    quads: int | None = None
     lay_flat: bool = False
     lines: Lines | None = None
     hidden: bool = False
     levels: bool = False
     uvs: bool = False
+    separate_parts: bool = False
 
     def __post_init__(self) -> None:
         for value, known, word in (
@@ -136,6 +147,10 @@ class Handover:
             raise UserError(f"A scale is a number from {SCALES[0]:g} to {SCALES[1]:g}.")
         if self.triangles is not None and self.triangles < FEWEST_TRIANGLES:
             raise UserError(f"A mesh needs at least {FEWEST_TRIANGLES} triangles. Allow more.")
+        if self.quads is not None and self.quads < FEWEST_QUADS:
+            raise UserError(f"A mesh needs at least {FEWEST_QUADS} quads. Ask for more.")
+        if self.quads is not None and self.triangles is not None:
+            raise UserError("A mesh is of triangles or of quads. Choose a number of one of them.")
 
 
 AS_USUAL: Final = Handover()

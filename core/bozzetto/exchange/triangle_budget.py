@@ -90,8 +90,9 @@ def _with_fewer(part: Solid | Surface, triangles: int) -> Solid | Surface:
         rest = None if skin.rest is None else _some(skin.rest, kept, made.faces)
         skin = Skin(skin.rig, skin.joints[kept], skin.weights[kept], rest, skin.clips)
     return replace(
-        part, mesh=fewer, groups=named, skin=skin, texture=texture, exact=None, normals=None
-    )
+        part, mesh=fewer, groups=named, skin=skin, texture=texture, exact=None, normals=None,
+        polygons=None,
+    )  # fmt: skip
 
 
 def _some(mesh: Mesh, kept: Index, faces: NDArray[np.int32]) -> Mesh:

@@ -68,6 +68,10 @@ class Solid:
     normals : CornerNormals, optional
         Of the exact shape at the corners of the triangles, for formats that hold normals; those of
         the mesh without them. A skin or a texture has none.
+    polygons : (p,) uint8, optional
+        How many triangles in turn, 1 or 2, are a face each in files that hold polygons; the second
+        of a quad has the edge between the first one's last corner and its first. None where every
+        triangle is a face.
     """
 
     mesh: Mesh
@@ -79,6 +83,7 @@ class Solid:
     exact: Brep | None = None
     path: tuple[str, ...] = ()
     normals: CornerNormals | None = None
+    polygons: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         _check(self)
@@ -102,7 +107,7 @@ class Surface:
         All triangles, in their order; none where the surface is one piece.
     exact : Brep, optional
         The same shape for formats that hold exact surfaces.
-    texture, skin, path, normals
+    texture, skin, path, normals, polygons
         As of a `Solid`.
     """
 
@@ -115,6 +120,7 @@ class Surface:
     skin: Skin | None = None
     path: tuple[str, ...] = ()
     normals: CornerNormals | None = None
+    polygons: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         _check(self)
@@ -137,6 +143,11 @@ def _check(part: Solid | Surface) -> None:
         raise ValueError("a part needs a normal for every corner of every face")
     if part.skin is not None and len(part.skin.joints) != len(part.mesh.vertices):
         raise ValueError("a skin belongs to a mesh of as many vertices")
+    if part.polygons is not None:
+        polygons = frozen(part.polygons, np.uint8)
+        object.__setattr__(part, "polygons", polygons)
+        if not np.isin(polygons, (1, 2)).all() or polygons.sum() != len(part.mesh.faces):
+            raise ValueError("polygons of one or two triangles must hold all of their mesh")
 
 
 def _placed(part: _Part, placement: Placement) -> _Part:

@@ -176,6 +176,7 @@ def prepared_files(
     whole: bool = True,
     handover: Handover = AS_USUAL,
     checkpoint: Checkpoint = no_checkpoint,
+    ready: Ready | None = None,
 ) -> list[Exported]:
     """Return files of some objects, each in the format that its ending names.
 
@@ -194,9 +195,11 @@ def prepared_files(
     whole : bool
         Whether the person's view must show all of the shapes, or some are enough.
     handover : Handover
-        Unit, axes, size, number of triangles, and whether flat files are drawings.
+        Unit, axes, size, number of triangles or quads, and whether flat files are drawings.
     checkpoint : callable
         As `Job.checkpoint`; asked where a file takes long.
+    ready : Ready, optional
+        The shapes as they are handed over so, where somebody has use for them.
 
     Raises
     ------
@@ -210,7 +213,7 @@ def prepared_files(
         raise UserError(" ".join(("There is nothing to export.", *said, *objects.warnings())))
     if view is not None:
         standard_view(Camera(), view)  # one that does not exist is told whatever is written
-    ready = Ready(objects.shapes, handover, checkpoint, objects.recording)
+    ready = ready or Ready(objects.shapes, handover, checkpoint, objects.recording)
     made = []
     for chosen, path in zip(formats, paths, strict=True):
         shown = chosen.flat or (chosen.draws and handover.lines is not None)

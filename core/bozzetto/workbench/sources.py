@@ -150,6 +150,16 @@ class ModelSources:
         model = self.from_shapes(modeler_id, shapes, name)
         return self._bench.set_parameters(model, chosen) if chosen else model
 
+    def ink_of_file(self, modeler_id: str, file: MeshFile, name: str) -> Drawing | None:
+        """Return the curves of a file as ink, where it has nothing else and a modeler needs ink."""
+        shapes = file.shapes
+        starts = "read_shapes" in self._bench.registry.info(modeler_id).abilities
+        if starts or not shapes.curves or any(True for _ in shapes.meshes()):
+            return None
+        from bozzetto.exchange.cad.curves_drawing import drawing_of_curves
+
+        return drawing_of_curves(shapes.curves, name)
+
     def _state_type(self, modeler_id: str) -> type:
         return self._bench.registry.modeler(modeler_id).state_type
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
 from bozzetto.plugin import cached_property, override, remembered
-from bozzetto.view import Camera
+from bozzetto.view import Camera, triple
 from bozzetto.view.calibration import resect
 from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
 from bozzetto_car.body.default_shape import pull_out_panels
@@ -268,10 +268,12 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
         old = unstretched_body_of(before)
         if old.solved is not base and can_blend(old.template, base.template):
             start = _deformed(base, state)
-            return _carried(old, _right_after(old.solved, before), start, state.edits)
+            return _carried(old, _right_after(old.solved, before), start, before)
     body = _right_after(base, state)
     for number, edit in enumerate(state.edits):
-        body = _edited(body, edit, number, state.smooth)
+        then = _car_then(edit, state)
+        moved = None if then is None else _moved_since(body.solved, state, then)
+        body = _edited(body, edit, number, state.smooth, moved)
     return body
 
 
@@ -343,6 +345,65 @@ def _reshaping(network: Network, wanted: Dimensions) -> Reshaping | None:
     return reshaping_of(network, wanted)
 
 
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """How a car that is solved for other dimensions has moved since an edit was made in space.
+
+    Attributes
+    ----------
+    back : Reshaping or None
+        To about the car that it was then; None if it has these dimensions.
+    along : float
+        How much farther along x it then stands, mm.
+    """
+
+    back: Reshaping | None
+    along: float
+
+
+def _car_then(edit: Edit, state: CarState) -> CarState | None:
+    """Return a car that is solved for what it was solved for when an edit was made in space.
+
+    None where it still is. A stroke on a sketch stays on its line, which the car goes to, and is
+    not of space.
+    """
+    if isinstance(edit, TracedEdges) and edit.sketch:
+        return None
+    was, is_kept = edit.dimensions, state.lock and bool(state.dimensions.given())
+    was_kept = bool(was.given()) and (is_kept if edit.kept is None else edit.kept)
+    if was_kept == is_kept and (not is_kept or was == state.dimensions):
+        return None
+    return replace(
+        state, lock=was_kept, length=was.length or 0.0, width=was.width or 0.0,
+        height=was.height or 0.0, front_overhang=was.front_overhang or 0.0,
+        wheelbase=was.wheelbase or 0.0,
+    )  # fmt: skip
+
+
+def _moved_since(now: Solved, state: CarState, then: CarState) -> _Moved | None:
+    """Return how a solved car has moved since it was solved for other dimensions, or for none."""
+    if now.joint is None:  # nothing is solved, whatever is kept
+        return None
+    try:
+        return _moved(now, solve_car(then), state, then.dimensions)
+    except UserError:  # it cannot have had them, or cannot be stretched to them any more
+        return None
+
+
+@remembered(
+    limit=FIRST_SEEN,
+    key=lambda now, then, state, wanted: (
+        (now, then, wanted, state.default_shape, state.annealed, state.smooth)
+    ),
+)
+def _moved(now: Solved, then: Solved, state: CarState, wanted: Dimensions) -> _Moved:
+    own, other = _right_after(now, state), _right_after(then, state)
+    was = _finished(other, wanted) if wanted.given() else other
+    back = reshaping_of(own.network, was.dimensions)
+    there = own.network if back is None else stretch(own.network, back)
+    return _Moved(back, float((there.positions - was.network.positions)[:, 0].mean()))
+
+
 def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
     """Return the samples of a stroke, (k, 2) px, and the camera that it was drawn through.
 
@@ -365,14 +426,14 @@ def drawn_through(body: Body, edit: TracedEdges) -> tuple[Array, Camera]:
 
 @remembered(
     limit=REMEMBERED,
-    key=lambda body, edit, number, smooth: (body, _Same(edit), number, smooth),
+    key=lambda body, edit, number, smooth, moved: (body, _Same(edit), number, smooth, moved),
 )
-def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
+def _edited(body: Body, edit: Edit, number: int, smooth: bool, moved: _Moved | None) -> Body:
     """Return a body after one more edit; the same body and the reason where that is impossible."""
     try:
-        map_ = _map_to(body.network, edit.dimensions)
+        map_ = _map_to(body.network, edit.dimensions) if moved is None else moved.back
         there = body.network if map_ is None else stretch(body.network, map_)
-        network, edges = _changed(there, edit, body)
+        network, edges = _changed(there, edit, body, 0.0 if moved is None else moved.along)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
     in_hand = _with_images(body.template, edges)
@@ -386,36 +447,45 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool) -> Body:
     return replace(body, network=network, drawn=body.drawn | in_hand, traced=traced)
 
 
-def _carried(old: Body, old_start: Body, start: Body, edits: Sequence[Edit]) -> Body:
-    """Return the body `start` with the change that edits have made from `old_start` to `old`."""
-    traced = list(_on_pictures(old, start, edits))
+def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
+    """Return the body `start` with what the edits of a car changed from `old_start` to `old`."""
+    traced = list(_on_pictures(old, start, before))
     network = carried(old.network, old_start.network, start.network, traced)
     return replace(old, network=network, solved=start.solved)
 
 
-def _on_pictures(old: Body, start: Body, edits: Sequence[Edit]) -> Iterator[OnPicture]:
+def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture]:
     """Yield what was traced on a body as it was and as it is seen now.
 
     What was traced on a stretched body is seen on another one than this; it is left out.
     """
     for number, edges in old.traced:
-        edit = edits[number]
+        edit = before.edits[number]
         assert isinstance(edit, TracedEdges)
-        if edit.dimensions.given():
+        if edit.dimensions.given() or _car_then(edit, before) is not None:
             continue
         try:
-            (was, before), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
+            (was, then), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
         except UserError:  # its sketch has no camera any more, and is told where edits are repeated
             continue
         shift = (is_now[0] - was[0]).tolist()
-        yield OnPicture(edges, edit.nodes_follow, before, now, (shift[0], shift[1]))
+        yield OnPicture(edges, edit.nodes_follow, then, now, (shift[0], shift[1]))
 
 
-def _changed(network: Network, edit: Edit, body: Body) -> tuple[Network, tuple[int, ...]]:
-    """Return a network after an edit, and the edges that the edit has drawn."""
+def _changed(
+    network: Network, edit: Edit, body: Body, along: float
+) -> tuple[Network, tuple[int, ...]]:
+    """Return a network after an edit, and the edges that the edit has drawn.
+
+    The car now stands `along` mm farther along x than when the edit was made.
+    """
     template = network.template
     if isinstance(edit, TracedEdges):
         points, camera = drawn_through(body, edit)
+        if along:
+            way = (along, 0.0, 0.0)
+            eye, target = (triple(np.add(at, way)) for at in (camera.eye, camera.target))
+            camera = replace(camera, eye=eye, target=target)
         edges = tuple(edge_called(template, name) for name in edit.edges)
         made = trace(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
         return made.network, tuple(max(edge, ~edge) for edge in made.run.edges)

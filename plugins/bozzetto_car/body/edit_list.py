@@ -41,7 +41,9 @@ def add_drag(edits: Edits, drag: MovedNode | BentEdge) -> Edits:
 
 def _is_drag(edit: Edit, other: Edit) -> bool:
     """Whether an edit is a drag in the same dimensions as another."""
-    return isinstance(edit, MovedNode | BentEdge) and edit.dimensions == other.dimensions
+    if not isinstance(edit, MovedNode | BentEdge):
+        return False
+    return (edit.dimensions, edit.kept) == (other.dimensions, other.kept)
 
 
 def without_last_of(edits: Edits, edges: Iterable[str]) -> Edits | None:

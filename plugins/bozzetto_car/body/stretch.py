@@ -62,7 +62,9 @@ def undo_stretch(network: Network, there: Network, changed: Network, map_: Resha
     """
     template = network.template
     moved = (changed.positions != there.positions).any(axis=1)
-    positions = np.where(moved[:, None], map_.points_before(changed.positions), network.positions)
+    positions = network.positions.copy()
+    if moved.any():  # a stroke bends edges, and mostly moves no node
+        positions[moved] = map_.points_before(changed.positions[moved])
     wheels = template.wheels.ravel()
     positions[wheels, 2] = changed.positions[wheels, 2]
     # The map has another slope where a node has moved to, so its tangents change as well.

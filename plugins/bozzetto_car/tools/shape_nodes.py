@@ -95,7 +95,7 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
         own = min(node, int(template.mirrored[node]))
         moved = drag_node(network, node, goal, drag.camera).positions[own]
         way = triple(moved - network.positions[own])
-        return MovedNode(world_of(state, body), template.names[own], way)
+        return MovedNode(world_of(state, body), template.names[own], way, kept=state.lock)
     name, _, last = drag.handle.removeprefix(TANGENT).rpartition(" ")
     if not drag.handle.startswith(TANGENT) or last not in ("0", "1"):
         raise UserError("This handle is not of this body. Drag a node or the end of a tangent.")
@@ -106,7 +106,8 @@ def _edit_of(state: CarState, body: Body, drag: Drag) -> MovedNode | BentEdge:
     if max(image, ~image) < edge:
         edge, end = (image, end) if image >= 0 else (~image, 1 - end)
     tangent = triple(bent.tangents[edge, end])
-    return BentEdge(world_of(state, body), template.edge_names[edge], end, tangent)
+    name = template.edge_names[edge]
+    return BentEdge(world_of(state, body), name, end, tangent, kept=state.lock)
 
 
 def _pen(drag: Drag, held: Array) -> Array:

@@ -109,6 +109,7 @@ def _edit_of(state: CarState, body: Body, stroke: Stroke, seen: Seen) -> TracedE
     if sketch is None or sketch_camera is None:
         return TracedEdges(
             dimensions=world_of(state, body),
+            kept=state.lock,
             strokes=Strokes((stroke,)),
             nodes_follow=state.nodes_follow,
         )

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context
+from bozzetto_polyhedron.model.assign_stroke import parted
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
 from bozzetto_polyhedron.solve.choice import choice_of, mirrored_number
@@ -55,12 +57,36 @@ def with_answer(
     return stood(state, made, body.id) if alone else made
 
 
+def first_answer(
+    state: PolyhedronState, body: Body, place: Array | None = None, *, alone: bool = False
+) -> PolyhedronState:
+    """Return the state with a drawing turned into a solid, and others beside it in their bodies.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        With the body in it.
+    body : Body
+        Which nobody turned yet.
+    place : (2,) array, optional
+        Of its drawing, px: which one is turned where several lie beside one another.
+    alone : bool
+        See `with_answer`.
+
+    Raises
+    ------
+    UserError
+        If the drawing has no answer.
+    """
+    state, body = parted(state, body, place)
+    return with_answer(state, body, max(_answered(body, state).number, 0), alone=alone)
+
+
 def next_answer(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state with the next answer of the chosen body; a drawing is turned first."""
     body = chosen_body(state)
     if body.choice is None:
-        number = max(_answered(body, state).number, 0)
-        return with_answer(state, body, number, alone=context.alone)
+        return first_answer(state, body, alone=context.alone)
     found = _answered(body, state)
     if len(found.answers) == 1:
         raise UserError("This drawing has only this answer. Draw the hidden edges lightly.")

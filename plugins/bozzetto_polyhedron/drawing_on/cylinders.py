@@ -144,12 +144,15 @@ def brep_with_cylinders(
     gone = {face for wall in walls for face in wall.faces}
     rims: dict[frozenset[int], list[Curve]] = {}
     arcs: list[tuple[tuple[int, ...], list[Curve]]] = []
+    places = body.vertices.copy()
     pieces: list[Brep] = []
     for wall in walls:
         if isinstance(wall, RoundedEdge):
             ends = exact_rims(body, wall)
-            pieces += exact_sides(body, wall, ends)
-            arcs += zip(wall.chains, ends, strict=True)
+            low, high = ([curve for _, curves in rim for curve in curves] for rim in ends)
+            pieces += exact_sides(body, wall, (low, high))
+            arcs += [(piece.chain, curves) for rim in ends for piece, curves in rim]
+            places[list(wall.places)] = np.reshape(list(wall.places.values()), (-1, 3))
             continue
         side = _side(wall)
         pieces.append(side)
@@ -157,7 +160,7 @@ def brep_with_cylinders(
             rims[rim] = _rim(side, wall.circle, height)
     planes = [
         plane_face(
-            [rims.get(frozenset(ring)) or _outline(body, ring, arcs) for ring in face],
+            [rims.get(frozenset(ring)) or _outline(places, ring, arcs) for ring in face],
             normal=normal,
             name=name,
         )
@@ -168,9 +171,9 @@ def brep_with_cylinders(
 
 
 def _outline(
-    body: PlanarBody, ring: Sequence[int], arcs: Sequence[tuple[tuple[int, ...], list[Curve]]]
+    places: Array, ring: Sequence[int], arcs: Sequence[tuple[tuple[int, ...], list[Curve]]]
 ) -> Array | list[Curve]:
-    """Return a ring as its corners, or as curves where it runs through arcs."""
+    """Return a ring of places, (n, 3), as its corners, or as curves where it runs through arcs."""
     runs: dict[int, tuple[int, list[Curve]]] = {}
     for chain, curves in arcs:
         found = run_of(ring, chain)
@@ -179,7 +182,7 @@ def _outline(
             back = [curve.reversed() for curve in curves[::-1]]
             runs[at] = len(chain) - 1, curves if forward else back
     if not runs:
-        return np.asarray(body.vertices[list(ring)])
+        return np.asarray(places[list(ring)])
     first = at = min(runs)
     outline: list[Curve] = []
     while at < first + len(ring):
@@ -189,7 +192,7 @@ def _outline(
             outline += curves
         else:
             steps = 1
-            ends = body.vertices[[ring[here], ring[(here + 1) % len(ring)]]]
+            ends = places[[ring[here], ring[(here + 1) % len(ring)]]]
             outline.append(Curve(1, LINE_KNOTS, ends))
         at += steps
     return outline

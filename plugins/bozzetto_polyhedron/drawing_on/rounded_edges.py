@@ -3,14 +3,16 @@
 The cylinder touches both faces of the edge. In the body, strips with their corners on it stand for
 it, so that bodies stay made of planes; when a body is handed over, strips that nothing else has cut
 become the cylinder again. Where a plane ends it obliquely, its end is an ellipse: an affine image
-of the arc, and so the same rational curve with other control points.
+of the arc, and so the same rational curve with other control points. Where it runs out over several
+faces, each has its part, and they meet where the line of both planes meets the cylinder.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import acos, ceil, cos, pi, sin, tan
+from itertools import pairwise
+from math import acos, atan2, ceil, cos, pi, sin, sqrt, tan
 from typing import Final
 
 import numpy as np
@@ -31,9 +33,32 @@ EDGE_ON: Final = 1e-3
 """Cosine of the angle between an end's normal and the axis below which it ends nothing."""
 
 
+LEAST_TURN: Final = 1e-6
+"""Angle, radians, below which two places of an arc are too close to be told apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class EndPiece:
+    """What one face ends of an arc.
+
+    Parameters
+    ----------
+    face : int
+        Number of the face.
+    chain : tuple of int
+        Vertices of its border along the arc.
+    turns : (float, float)
+        Where it begins and ends, radians from the beginning of the arc.
+    """
+
+    face: int
+    chain: tuple[int, ...]
+    turns: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class RoundedEdge:
-    """An arc in a body that is whole: strips between two planes.
+    """An arc in a body that is whole: strips between faces that end them.
 
     Parameters
     ----------
@@ -41,16 +66,29 @@ class RoundedEdge:
         An arc, in the frame of the body.
     faces : tuple of int
         The strips, numbers of faces.
-    chains : (tuple of int, tuple of int)
-        Vertices at either end, from one side of the arc to the other; below along the axis first.
-    ends : (int, int)
-        Faces that the arc ends in.
+    ends : (tuple of EndPiece, tuple of EndPiece)
+        At either end, in the order of turns; below along the axis first.
+    spokes : (2, 3) float64
+        Unit vectors from the axis to where the arc begins, and across that the way it turns.
+    places : dict of int to (3,) float64
+        Where the vertices at which one end face follows another one lie on the cylinder, mm.
     """
 
     circle: Circle
     faces: tuple[int, ...]
-    chains: tuple[tuple[int, ...], tuple[int, ...]]
-    ends: tuple[int, int]
+    ends: tuple[tuple[EndPiece, ...], tuple[EndPiece, ...]]
+    spokes: Array
+    places: dict[int, Array]
+
+    @property
+    def turns(self) -> list[float]:
+        """Where the cylinder is cut into pieces of at most a quarter turn, radians, in order."""
+        breaks = sorted({turn for end in self.ends for each in end for turn in each.turns})
+        found = breaks[:1]
+        for turn in breaks[1:]:
+            count = ceil((turn - found[-1]) / (0.5 * pi) - ROUNDING)
+            found += np.linspace(found[-1], turn, count + 1)[1:].tolist()
+        return found
 
 
 def rounded_edge(
@@ -132,36 +170,43 @@ def rounded_edge_of(body: PlanarBody, circle: Circle, group: Sequence[int]) -> R
     group : sequence of int
         Faces in the planes of its strips that hang together.
     """
-    if len(group) != circle.sides or any(
-        len(body.faces[k]) > 1 or len(body.faces[k][0]) != 4 for k in group
-    ):
+    if len(group) != circle.sides or any(len(body.faces[k]) > 1 for k in group):
         return None
     lines = {line for k in group for line in _lines_along(body, circle.axis, k)}
     if len(lines) != circle.sides + 1 or len({v for line in lines for v in line}) != 2 * len(lines):
         return None
     ordered = sorted(lines, key=_angle_in(body, circle, [v for v, _ in lines]))
-    chains = tuple(low for low, _ in ordered), tuple(high for _, high in ordered)
-    ends = [_end_face(body, chain, group) for chain in chains]
-    if ends[0] is None or ends[1] is None:
+    chains = _chains(body, group, ordered)
+    if chains is None:
         return None
-    if any(abs(body.normals[k] @ circle.axis) < EDGE_ON for k in ends):
+    spokes = _spokes(body, circle, chains[0])
+    places: dict[int, Array] = {}
+    low, high = (_end_pieces(body, circle, chain, group, spokes, places) for chain in chains)
+    if low is None or high is None:
         return None
-    return RoundedEdge(circle, tuple(group), chains, (ends[0], ends[1]))
+    found = RoundedEdge(circle, tuple(group), (low, high), spokes, places)
+    return found if min(np.diff(found.turns)) > LEAST_TURN else None
 
 
-def exact_rims(body: PlanarBody, rounded: RoundedEdge) -> tuple[list[Curve], list[Curve]]:
-    """Return the curves at both ends of a round edge, each in the order of its chain."""
-    low, high = (
-        _rim(body, rounded, chain, face)
-        for chain, face in zip(rounded.chains, rounded.ends, strict=True)
-    )
-    return low, high
+def exact_rims(
+    body: PlanarBody, rounded: RoundedEdge
+) -> tuple[list[tuple[EndPiece, list[Curve]]], list[tuple[EndPiece, list[Curve]]]]:
+    """Return the curves at both ends of a round edge, of each piece in the order of its chain."""
+    turns = np.array(rounded.turns)
+    made = []
+    for end in rounded.ends:
+        rim = []
+        for piece in end:
+            inside = (turns > piece.turns[0] - LEAST_TURN) & (turns < piece.turns[1] + LEAST_TURN)
+            rim.append((piece, _rim(body, rounded, piece, turns[inside])))
+        made.append(rim)
+    return made[0], made[1]
 
 
 def exact_sides(
-    body: PlanarBody, rounded: RoundedEdge, rims: tuple[list[Curve], list[Curve]]
+    body: PlanarBody, rounded: RoundedEdge, rims: tuple[Sequence[Curve], Sequence[Curve]]
 ) -> list[Brep]:
-    """Return the exact cylinder between two rims, looking away from the material."""
+    """Return the exact cylinder between the curves of two rims, looking away from the material."""
     made = []
     outward = body.normals[rounded.faces[0]]
     corner = body.vertices[body.faces[rounded.faces[0]][0][0]]
@@ -247,20 +292,124 @@ def _angle_in(
     return angle
 
 
-def _end_face(body: PlanarBody, chain: Sequence[int], group: Sequence[int]) -> int | None:
-    """Return the one other face whose ring has all of a chain, side by side; None if none has."""
-    inner = set(chain[1:-1])
-    met = [
-        (number, ring)
+def _chains(
+    body: PlanarBody, group: Sequence[int], lines: Sequence[tuple[int, int]]
+) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
+    """Return the vertices at either end of strips, below along the axis first.
+
+    Both are in the order of `lines`, the sides of strips along the axis, each from below; None
+    where a strip of the group is not between two lines that follow one another.
+    """
+    chains = [lines[0][0]], [lines[0][1]]
+    for one, other in pairwise(lines):
+        between = [
+            ring
+            for k in group
+            for ring in body.faces[k]
+            if {*one, *other} <= set(ring) and len(set(ring)) == len(ring)
+        ]
+        if len(between) != 1:
+            return None
+        ring, count = between[0], len(between[0])
+        for chain, start, stop, never in zip(chains, one, other, one[::-1], strict=True):
+            at = ring.index(start)
+            step = -1 if ring[(at + 1) % count] == never else 1
+            while ring[at % count] != stop:
+                at += step
+                if ring[at % count] == never:
+                    return None
+                chain.append(ring[at % count])
+    return tuple(chains[0]), tuple(chains[1])
+
+
+def _end_pieces(
+    body: PlanarBody,
+    circle: Circle,
+    chain: Sequence[int],
+    group: Sequence[int],
+    spokes: Array,
+    places: dict[int, Array],
+) -> tuple[EndPiece, ...] | None:
+    """Return what other faces end of an arc; None where it is not theirs alone.
+
+    The exact places of vertices between two of them are put into `places`.
+    """
+    others = {
+        side: number
         for number, face in enumerate(body.faces)
         if number not in group
         for ring in face
-        if not inner.isdisjoint(ring)
-    ]
-    if len(met) != 1:
+        for side in sides_of(ring)
+    }
+    owners = [others.get((a, b), others.get((b, a))) for a, b in pairwise(chain)]
+    starts = [k for k in range(len(owners)) if not k or owners[k] != owners[k - 1]]
+    faces = [owners[k] for k in starts]
+    if len(set(faces)) < len(faces):
         return None
-    number, ring = met[0]
-    return number if run_of(ring, chain) is not None else None
+    turns = [0.0]
+    pieces = []
+    for number, (face, start, stop) in enumerate(
+        zip(faces, starts, [*starts[1:], len(owners)], strict=True)
+    ):
+        if face is None or abs(body.normals[face] @ circle.axis) < EDGE_ON:
+            return None
+        own = tuple(chain[start : stop + 1])
+        if any(_others_at(body, vertex, group) != {face} for vertex in own[1:-1]):
+            return None
+        if number + 1 == len(faces):
+            turns.append(circle.sweep)
+        else:
+            following = faces[number + 1]
+            if following is None or _others_at(body, own[-1], group) != {face, following}:
+                return None
+            place = _on_cylinder(body, circle, (face, following), own[-1])
+            if place is None:
+                return None
+            places[own[-1]] = place
+            first, across = spokes @ (place - circle.center)
+            turns.append(atan2(across, first))
+        pieces.append(EndPiece(face, own, (turns[-2], turns[-1])))
+    return tuple(pieces) if min(np.diff(turns)) > LEAST_TURN else None
+
+
+def _others_at(body: PlanarBody, vertex: int, group: Sequence[int]) -> set[int]:
+    """Return the faces at a vertex but those of a group."""
+    return {
+        number
+        for number, face in enumerate(body.faces)
+        if number not in group and any(vertex in ring for ring in face)
+    }
+
+
+def _on_cylinder(
+    body: PlanarBody, circle: Circle, faces: tuple[int, int], vertex: int
+) -> Array | None:
+    """Return where the line of two faces meets a cylinder, beside a vertex of theirs.
+
+    None where it does not, or where they do not tell.
+    """
+    line = np.cross(*body.normals[list(faces)])
+    if np.linalg.norm(line) < ALONG:
+        return None
+    near = body.vertices[vertex]
+    from_axis = near - circle.center
+    from_axis = from_axis - (from_axis @ circle.axis) * circle.axis
+    across = line - (line @ circle.axis) * circle.axis
+    a, b = float(across @ across), float(across @ from_axis)
+    square = b * b - a * (float(from_axis @ from_axis) - circle.radius**2)
+    if a < ALONG**2 * float(line @ line) or square <= 0.0:
+        return None
+    steps = (-b - sqrt(square)) / a, (-b + sqrt(square)) / a
+    return np.asarray(near + min(steps, key=abs) * line)
+
+
+def _spokes(body: PlanarBody, circle: Circle, chain: Sequence[int]) -> Array:
+    """Return unit vectors from the axis to where an arc begins, and across it, (2, 3)."""
+    begin, end = body.vertices[[chain[0], chain[-1]]] - circle.center
+    first = begin - (begin @ circle.axis) * circle.axis
+    first = first / np.linalg.norm(first)
+    across = np.cross(circle.axis, first)
+    return np.array((first, across if end @ across > 0 else -across))
 
 
 def run_of(ring: Sequence[int], chain: Sequence[int]) -> tuple[int, bool] | None:
@@ -275,32 +424,21 @@ def run_of(ring: Sequence[int], chain: Sequence[int]) -> tuple[int, bool] | None
     return None
 
 
-def _rim(body: PlanarBody, rounded: RoundedEdge, chain: Sequence[int], face: int) -> list[Curve]:
-    """Return the exact section of the cylinder with the plane of a face, a quarter turn a piece."""
+def _rim(body: PlanarBody, rounded: RoundedEdge, piece: EndPiece, turns: Array) -> list[Curve]:
+    """Return the exact section of the cylinder with the plane of a face, cut at turns, radians."""
     circle, axis = rounded.circle, rounded.circle.axis
-    normal, offset = body.normals[face], float(body.offsets[face])
-    spoke = body.vertices[chain[0]] - circle.center
-    first = spoke - (spoke @ axis) * axis
-    first = first * (circle.radius / np.linalg.norm(first))
-    across = np.cross(axis, first)
-    last = body.vertices[chain[-1]] - circle.center
-    across = across if last @ across > 0 else -across
-    count = ceil(circle.sweep / (0.5 * pi) - ROUNDING)
-    half = 0.5 * circle.sweep / count
+    normal, offset = body.normals[piece.face], float(body.offsets[piece.face])
 
     def on_plane(turn: float, reach: float) -> Array:
-        place = circle.center + reach * (cos(turn) * first + sin(turn) * across)
+        spoke = np.array((cos(turn), sin(turn))) @ rounded.spokes
+        place = circle.center + reach * circle.radius * spoke
         return np.asarray(place + (offset - place @ normal) / (axis @ normal) * axis)
 
     pieces = []
-    for number in range(count):
-        begin = 2.0 * half * number
+    for begin, end in pairwise(turns.tolist()):
+        half = 0.5 * (end - begin)
         net = np.array(
-            (
-                on_plane(begin, 1.0),
-                on_plane(begin + half, 1.0 / cos(half)),
-                on_plane(begin + 2.0 * half, 1.0),
-            )
+            (on_plane(begin, 1.0), on_plane(begin + half, 1.0 / cos(half)), on_plane(end, 1.0))
         )
         knots = np.array((0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
         pieces.append(Curve(2, knots, net, np.array((1.0, cos(half), 1.0))))

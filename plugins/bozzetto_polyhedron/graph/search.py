@@ -45,8 +45,9 @@ MOST_LOOSE: Final = 4
 of it are mended, for no few steps make its lines those of solids."""
 
 MOST_PRICED: Final = 25_000
-"""Steps that are priced, after which no other draft, spread or detour is tried. Drawings of solids
-take a thousand or two, the untidiest 21,000; scribbles, where all is close to all, took 58,000."""
+"""Steps that are priced: no other draft, spread or detour is tried where one that takes as many as
+those before took in the mean would go beyond. Drawings of solids take a thousand or two; scribbles,
+where all is close to all, took 58,000."""
 
 
 def best_draft(
@@ -87,13 +88,16 @@ def best_draft(
     many = min(len(each.lines) for each in starts) > MANY_LINES
     found: dict[Hashable, Draft] = {}
     left = MOST_PRICED
-    for number, start in enumerate(diverse(starts, 1 if many else MOST_MENDED)):
+    for number, start in enumerate(diverse(starts, 1 if many else MOST_MENDED), 1):
         mended, priced = settled(start, every, checkpoint, left)
         left -= priced
         known = found.setdefault(mended.meeting_ends, mended)
         found[mended.meeting_ends] = min(known, mended, key=_doubt)
         best = min(found.values(), key=_doubt)
-        if best.is_whole or (number and best.loose > MOST_LOOSE) or left <= 0:
+        if best.is_whole or (number > 1 and best.loose > MOST_LOOSE):
+            break
+        if not _is_room_for_one_more(MOST_PRICED - left, number, MOST_PRICED):
+            left = 0
             break
     best = min(found.values(), key=_doubt)
     if best.loose <= MOST_LOOSE:
@@ -158,7 +162,7 @@ def settled(
     checkpoint : callable
         Called between steps; it may raise.
     most : int
-        Steps that are priced, after which no other spread is tried.
+        Steps that may be priced: no other spread is tried where it would go beyond.
 
     Returns
     -------
@@ -166,13 +170,13 @@ def settled(
         The second value is how many steps were priced.
     """
     priced, before = 0, draft.copied()
-    for _ in range(MOST_SPREADS):
+    for number in range(1, MOST_SPREADS + 1):
         priced += repair(draft, checkpoint)
         better = with_best_spread(draft, every)
         if better is draft:
             break
         draft = better
-        if priced >= most:
+        if not _is_room_for_one_more(priced, number, most):
             break
     if not draft.is_whole:
         draft = min(draft, with_best_spread(before, every), key=_doubt)
@@ -191,6 +195,11 @@ def with_best_spread(draft: Draft, every: Sequence[Fits]) -> Draft:
     """
     better = min((refitted(draft, each) for each in every), key=lambda each: each.cost)
     return better if better.cost < draft.cost - LEAST_GAIN else draft
+
+
+def _is_room_for_one_more(priced: int, count: int, most: int) -> bool:
+    """Whether another trial that prices as many steps as some did in the mean stays within most."""
+    return priced + priced / count <= most
 
 
 def _doubt(draft: Draft) -> float:

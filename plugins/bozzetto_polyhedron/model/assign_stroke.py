@@ -27,6 +27,9 @@ TOUCH: Final = 0.02
 
 IN_PLACE: Final = Placement()
 
+FEWEST: Final = 6
+"""Strokes of the smallest solid, a tetrahedron: fewer are no drawing of their own."""
+
 DOT: Final = 3.0
 """Extent of ink, px, below which it is no line."""
 
@@ -97,6 +100,48 @@ def drawings_in(strokes: Sequence[Stroke]) -> list[list[Stroke]]:
         else:
             named.append([stroke])
     return [*named, *_apart([stroke for stroke in strokes if not stroke.group])]
+
+
+def parted(
+    state: PolyhedronState, body: Body, place: Array | None = None
+) -> tuple[PolyhedronState, Body]:
+    """Return the state with drawings that lie beside one another in bodies of their own.
+
+    Parameters
+    ----------
+    state : PolyhedronState
+        With the body in it.
+    body : Body
+        Left as it is where somebody turned or held it.
+    place : (2,) array, optional
+        Of its drawing, px: the drawing there keeps the body; without, the one that was begun first.
+
+    Returns
+    -------
+    PolyhedronState, Body
+        The second value is the body of the drawing at the place, with all marks that are no
+        drawing.
+    """
+    groups = _apart(list(body.strokes)) if _is_begun(body) else []
+    drawings = [group for group in groups if len(group) >= FEWEST]
+    if len(drawings) < 2:
+        return state, body
+    own = drawings[0] if place is None else min(drawings, key=lambda each: _away(each, place))
+    others = [stroke for group in drawings if group is not own for stroke in group]
+    gone = {id(stroke) for stroke in others}
+    for group in drawings:
+        if group is not own:
+            part = replace(body, id=state.unused_id(), name=state.unused_name("Body"))
+            state = state.with_node(replace(part, strokes=Strokes(group)))
+    rest = [stroke for stroke in body.strokes if id(stroke) not in gone]
+    body = replace(body, strokes=Strokes(rest))
+    return state.with_node(body), body
+
+
+def _away(strokes: Sequence[Stroke], place: Array) -> float:
+    """Return the distance of ink from a place, px."""
+    points = np.concatenate([each.points for each in strokes])
+    return float(np.linalg.norm(points - place, axis=1).min())
 
 
 def _with_stroke(state: PolyhedronState, stroke: Stroke) -> PolyhedronState:

@@ -29,7 +29,10 @@ SHORT = "Some edges are hardly longer than the hand is unsteady. Draw larger, or
 SIDE = (
     "Hidden edges are not marked, so it is taken as seen from above; the mirrored one is offered."
 )
-LOOSE = "A part of the drawing hangs in no face. Join it with a line, or draw it inside a face."
+LOOSE = (
+    "A part of the drawing hangs in no face. Join it with a line, or draw it inside a face; for "
+    "another body choose “Begin a new body” before you draw it."
+)
 BY_LOOKS = (
     "A slanted edge looks parallel to others, which may be chance in this view. Both answers are "
     "offered: with its slope taken from them, and left open. Draw it from another side to be sure."

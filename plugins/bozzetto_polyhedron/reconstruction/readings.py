@@ -48,6 +48,9 @@ MOST_LIFTED: Final = 10
 """Liftings of the body that are read, at most: of 120 drawings of solids none has more, scribbles
 have up to sixteen."""
 
+MOST_LIFTED_LOOSE: Final = 6
+"""The same where a line has a loose end, as in scribbles and in drawings that are not finished."""
+
 MOST_WAYS: Final = 4
 """Ways in which loose parts lie in a body that are solved together with it."""
 
@@ -120,7 +123,8 @@ def readings(
     parts.sort(key=lambda part: -float(np.linalg.norm(np.ptp(drawing.points[list(part)], axis=0))))
     found: list[Reading] = []
     seen: set[bytes] = set()
-    left = MOST_LIFTED
+    is_loose = bool((np.bincount(drawing.lines.ravel()) == 1).any())
+    left = MOST_LIFTED_LOOSE if is_loose else MOST_LIFTED
     for strict, joining in enumerate((LOOSE, STRICT) if thorough else (LOOSE,)):
         classes = parallel_classes(drawing, joining)
         if classes.labels.tobytes() in seen or not parts:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.plugin import Part
+from bozzetto_polyhedron.graph.line_graph import Finding
 from bozzetto_polyhedron.mechanism.assembly import GROUND
 from bozzetto_polyhedron.mechanism.fittings import Drive, Fastening, FittingKind
 from bozzetto_polyhedron.model.fittings import (
@@ -31,6 +33,9 @@ from bozzetto_polyhedron.solve.pipeline import Solved, solved
 NEAR: Final = 0.05
 """Distance from a corner to the place it was at, in extents of the drawing, beyond which the
 corner is gone."""
+
+AT_CORNER: Final = 1.0
+"""Distance of a finding from a corner of the drawing, px, within which it is about that corner."""
 
 KINDS: Final[dict[type[Fitting], FittingKind]] = {
     Link: "link",
@@ -152,3 +157,31 @@ def _body_of(spot: Spot, state: PolyhedronState) -> Body | None:
 def _point(place: Array) -> tuple[float, float, float]:
     x, y, z = (float(value) for value in place)
     return x, y, z
+
+
+def places_of_findings(body: Body, found: Solved, findings: Sequence[Finding]) -> Array:
+    """Return where lines look wrong, (n, 3) mm, in the model's frame.
+
+    What is wrong with a corner of a drawing that was turned into a solid is there in space, so that
+    it stays on the solid when the view turns; all else is where it was drawn.
+
+    Parameters
+    ----------
+    body : Body
+        Whose lines they are.
+    found : Solved
+        What they were understood as.
+    findings : sequence of Finding
+        At least one.
+    """
+    seen = np.array([finding.place for finding in findings], float)
+    places, drawn = on_sheet(body, seen), found.graph.places
+    if body.choice is None or not len(drawn):
+        return places
+    gaps = np.linalg.norm(seen[:, None] - drawn, axis=2)
+    corners = corner_places_at_rest(body, found)
+    if len(corners) != len(drawn):
+        return places
+    there = corners[gaps.argmin(axis=1)]
+    known = (gaps.min(axis=1) <= AT_CORNER) & np.isfinite(there).all(axis=1)
+    return np.where(known[:, None], there, places)

@@ -19,7 +19,7 @@ from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.kept_poses import at_rest_here
 from bozzetto_polyhedron.solve.mending import MENDABLE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
-from bozzetto_polyhedron.solve.spots import is_linkage
+from bozzetto_polyhedron.solve.spots import is_linkage, places_of_findings
 from bozzetto_polyhedron.solve.standing import stood
 from bozzetto_polyhedron.tools.added_lines import with_added
 from bozzetto_polyhedron.tools.erase import ErasingTool
@@ -88,6 +88,10 @@ class DrawLines(ErasingTool):
         if graph.health:
             finding = graph.health[0]
             x, y, z = (float(v) for v in on_sheet(body, np.array([finding.place]))[0])
+            if body.choice is not None:
+                with suppress(UserError):
+                    places = places_of_findings(body, solved(body, state), [finding])
+                    x, y, z = places[0].tolist()
             by_touch = " “Mend” does it at a touch." if finding.what in MENDABLE else ""
             return NextStep(f"{finding.sentence}{by_touch}", place=(x, y, z))
         if body.choice is None:

@@ -9,12 +9,12 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, NextStep, Tap, override
-from bozzetto_polyhedron.commands.answers import with_answer
-from bozzetto_polyhedron.model.same_view import on_sheet
+from bozzetto_polyhedron.commands.answers import first_answer, with_answer
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.solve.picking import corner_at
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.solve.spots import places_of_findings
 from bozzetto_polyhedron.tools.erase import ErasingTool
 
 LAID: Final = {"nets": "The net lies", "faces": "Every face lies flat"}
@@ -37,7 +37,10 @@ class TurnSolid(ErasingTool):
         if touched is None:
             raise UserError("There is no corner here. Touch a corner of the drawing.")
         body = touched.body
-        if body.choice is None or body.id != state.selected:
+        if body.choice is None:
+            place = touched.found.graph.places[touched.number]
+            return first_answer(state, body, place, alone=context.alone)
+        if body.id != state.selected:
             number = max(touched.found.number, 0)
         else:
             number = touched.found.number + (-1 if tap.shift else 1)
@@ -56,7 +59,8 @@ class TurnSolid(ErasingTool):
             found = solved(body, state)
         if found is not None and found.graph.health and not (found.body and found.body.closed):
             finding = found.graph.health[0]
-            x, y, z = (float(v) for v in on_sheet(body, np.array([finding.place]))[0])
+            places = places_of_findings(body, found, [finding])
+            x, y, z = places[0].tolist()
             return NextStep(finding.sentence, place=(x, y, z))
         return NextStep(sentence_of(found, state))
 

@@ -12,6 +12,8 @@ from bozzetto_polyhedron.graph.line_graph import Finding, LineGraph
 from bozzetto_polyhedron.model.same_view import camera_of, on_sheet
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.reconstruction.answer import Answer
+from bozzetto_polyhedron.solve.pipeline import Solved
+from bozzetto_polyhedron.solve.spots import places_of_findings
 
 LINE_WIDTH, LIGHT_WIDTH = 1.6, 0.9
 """Widths of lines as they were understood, px: drawn firmly, and drawn lightly as hidden ones."""
@@ -69,12 +71,12 @@ def line_items(body: Body, graph: LineGraph) -> list[Item]:
     ]
 
 
-def finding_items(body: Body, graph: LineGraph) -> list[Item]:
-    """Return marks where lines look wrong, each with a word or two."""
-    shown = graph.health[:MOST_FINDINGS]
+def finding_items(body: Body, found: Solved) -> list[Item]:
+    """Return marks where lines look wrong, each with a word or two; see `places_of_findings`."""
+    shown = found.graph.health[:MOST_FINDINGS]
     if not shown:
         return []
-    places = on_sheet(body, np.array([finding.place for finding in shown], float))
+    places = places_of_findings(body, found, shown)
     marks = Points(
         places.astype(np.float32), color="warning", size=FINDING_SIZE, opacity=0.8, hidden="show"
     )

@@ -110,7 +110,7 @@ def _add_drawing(
     layers["lines"] += line_items(body, found.graph)
     if is_linkage(body, state):
         return
-    layers["findings"] += finding_items(body, found.graph)
+    layers["findings"] += finding_items(body, found)
     if found.body is not None and found.body.closed and not found.graph.health:
         layers["solid"] += solid_items(body, found, body.id == state.selected)
 
@@ -151,4 +151,4 @@ def _add_solid(
                 ends = found.base.vertices[list(edge)]
                 layers["dimensions"].append(measure_item(measure, ends))
     if found.body is None or not found.body.closed:
-        layers["findings"] += finding_items(body, found.graph)
+        layers["findings"] += finding_items(body, found)

@@ -40,7 +40,7 @@ def rough_commands() -> Sequence[Command]:
         Command(
             "remove-rough",
             "Remove the rough shape",
-            "The curves stay where they are.",
+            "The curves stay where they are, and follow no other object any more.",
             _removed,
             enabled=_has_rough,
             menu=MENU,
@@ -92,4 +92,9 @@ def _hidden(state: ProductState, context: Context) -> ProductState:
 
 
 def _removed(state: ProductState, context: Context) -> ProductState:
-    return state.without_nodes(*(part.id for part in state.of_kind(RoughShape)))
+    """Return the state without what was drawn on; curves stay where they have gone with it.
+
+    All commands get them there; see `all_commands`.
+    """
+    parts = (*state.of_kind(RoughShape), *state.of_kind(FollowedShape))
+    return state.without_nodes(*(part.id for part in parts))

@@ -203,6 +203,8 @@ def _corners(even: Array, way: float, *, closed: bool) -> list[int]:
         return []
     short, long = (_turns(even, k, closed=closed) for k in (reach, 2 * reach))
     marks = np.flatnonzero((short > CORNER) & (short > GATHERED * long))
+    if closed and _is_slip(even, reach):
+        marks = marks[np.minimum(marks, count - marks) > reach]
     found: list[int] = []
     for mark in sorted(marks.tolist(), key=lambda k: -short[k]):
         gaps = [abs(mark - other) for other in found]
@@ -211,6 +213,17 @@ def _corners(even: Array, way: float, *, closed: bool) -> list[int]:
         if all(gap > 2 * reach for gap in gaps) and (closed or reach <= mark < count - reach):
             found.append(mark)
     return sorted(found)
+
+
+def _is_slip(even: Array, reach: int) -> bool:
+    """Whether a round goes on where it began but for a step aside: a hand does not meet its start.
+
+    Its direction is looked at before and after what lies within the reach of the first point, where
+    a corner turns it by more than the curve does between these places.
+    """
+    into, out = even[-reach] - even[-2 * reach], even[2 * reach] - even[reach]
+    turn = abs(np.arctan2(into[0] * out[1] - into[1] * out[0], into @ out))
+    return bool(turn - 3.0 * reach * 2.0 * np.pi / len(even) < 0.5 * CORNER)
 
 
 def _turns(even: Array, reach: int, *, closed: bool) -> Array:

@@ -98,6 +98,8 @@ class Search:
         Makes the cuts.
     accepts : callable
         Says of a part that does not fold whether it is good enough; by default any is.
+    most_degrees : float
+        Largest angle to the normals of cuts.
     """
 
     def __init__(
@@ -106,11 +108,13 @@ class Search:
         spacing: float,
         leading: Leading,
         accepts: Callable[[PatchFill], bool] = lambda fill: True,
+        most_degrees: float = CUT_DEGREES,
     ) -> None:
         self._loop = loop
         self._spacing = spacing
         self._leading = leading
         self._accepts = accepts
+        self._most_degrees = most_degrees
         self._left = MOST_FILLS
 
     def parts(self, ring: Ring, most: int, *, whole: bool = False) -> tuple[PatchFill, ...] | None:
@@ -145,7 +149,7 @@ class Search:
             fill = patch_fill(frame, self._loop, self._spacing, key_of(frame, self._spacing))
         except UserError:
             return None
-        if fill.folded or fill.cut_degrees > CUT_DEGREES or not self._accepts(fill):
+        if fill.folded or fill.cut_degrees > self._most_degrees or not self._accepts(fill):
             return None
         return fill
 

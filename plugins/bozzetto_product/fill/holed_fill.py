@@ -19,6 +19,7 @@ from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto.plugin import cached_property
 from bozzetto_product.fill.cut_rings import (
+    CUT_DEGREES,
     SAMPLES,
     TRIED,
     Ring,
@@ -63,7 +64,11 @@ OFF_GUIDE: Final = 2e-4
 """Distance of a part from the guide, as share of the size of the loop, that needs no other cut."""
 
 OFF_HOLES: Final = 1.5
-"""The same as multiple of the distance of the holes from the guide, which comes on top of it."""
+"""The same as multiple of the distance of the holes from the guide, which comes on top of it; so do
+that many of the angles by which they lean out of it, where parts turn from cuts."""
+
+MOST_DEGREES: Final = 5.0
+"""Largest angle, degrees, by which parts turn from cuts, however far holes lean."""
 
 
 def holed_fill(
@@ -102,12 +107,15 @@ def holed_fill(
         partial(_led, course.chart),
         partial(_is_near, course.chart, _off(course, holes)),
     )
+    most = min(CUT_DEGREES + OFF_HOLES * course.lean(normals.starts[1]), MOST_DEGREES)
     parts: list[PatchFill] = []
     for ring in parted_region(outer, holes, leading):
-        found = Search(loop, guide.spacing, leading, near).parts(ring, len(TRIED))
+        found = Search(loop, guide.spacing, leading, near, most).parts(ring, len(TRIED))
         if found is None:
             return None
         parts += found
+    if not parts:
+        return None
     guided = frozenset(k for k, field in enumerate(normals.fields) if field is None)
     return PartedFill.of(loop, tuple(parts), guided=guided, starts=normals.starts)
 
@@ -179,6 +187,16 @@ class _Course:
             turned_from(spot, before)
             for before, spot in zip((made[-1], *made[:-1]), made, strict=True)
         )
+
+    def lean(self, first: int) -> float:
+        """Return the largest angle of the half edges from a number on to the guide, degrees."""
+        most = 0.0
+        for number in range(first, len(self.loop)):
+            at = frame_parameters(self.splines[number])
+            normals = self.chart.feet(self.splines[number].value(at))[1]
+            along = (normals * unit_tangents(self.splines[number], at)).sum(axis=1)
+            most = max(most, float(np.abs(along).max()))
+        return float(np.degrees(np.arcsin(min(most, 1.0))))
 
     def _guided(self, number: int, *, is_hole: bool) -> NormalField:
         """Return the normals of the guide along a half edge."""

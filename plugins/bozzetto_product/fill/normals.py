@@ -21,6 +21,7 @@ from bozzetto_product.fill.normal_field import (
 )
 from bozzetto_product.fill.quadric_normals import is_exact_crease, quadric_turns
 from bozzetto_product.fill.torsion import TwistCorner, agreeing
+from bozzetto_product.network.flat_places import plane_through
 from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.outlines import outlines_of
 
@@ -61,7 +62,8 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     """Return for each loop the normals along its edges.
 
     An edge of two loops is smooth if it says so, or else if the tangent planes of both loops
-    agree at its ends, and both do not lie on exact surfaces that meet at an angle. Corners that
+    agree at its ends, both do not lie on exact surfaces that meet at an angle, and it is not the
+    rim of a hole in a surface that bends. Corners that
     smooth edges link make a fan with one normal, and each smooth edge has one field of normals,
     which both of its loops take. Where the tangents of a fan lie in no common plane, each corner
     keeps its own plane and fades to the common one.
@@ -75,7 +77,7 @@ def edge_normals(net: Net, loops: Sequence[Loop]) -> tuple[LoopNormals, ...]:
     """
     every = [outlines_of(net, loop) for loop in loops]
     outlines, corners = outline_corners(net, loops)
-    smooth = _smooth_edges(net, outlines, corners)
+    smooth = _smooth_edges(net, outlines, corners, _rims(net, loops))
     fields: list[list[NormalField | None]] = [[None] * len(outline) for outline in outlines]
     for edge, common in common_fields(net, outlines, corners, smooth).items():
         for number, place, forward in smooth[edge]:
@@ -121,16 +123,41 @@ def smooth_half_edges(net: Net, loops: tuple[Loop, ...]) -> tuple[tuple[bool, ..
     )
 
 
+def _rims(net: Net, loops: Sequence[Loop]) -> frozenset[int]:
+    """Return the edges of holes in surfaces that bend.
+
+    Walls leave such a surface there. The corners of the hole do not tell how it leans: one that
+    turns a little has the plane of the wall as soon as its curves do not lie on the surface.
+    """
+    found: set[int] = set()
+    for loop in loops:
+        holes = outlines_of(net, loop)[1:]
+        if holes:
+            points = [net.edges[edge].spline.control_points for edge, _ in loop]
+            if plane_through(np.concatenate(points)) is None:
+                found |= {edge for hole in holes for edge, _ in hole}
+    return frozenset(found)
+
+
 def _smooth_edges(
-    net: Net, loops: Sequence[Loop], corners: Sequence[Sequence[Corner]]
+    net: Net,
+    loops: Sequence[Loop],
+    corners: Sequence[Sequence[Corner]],
+    rims: frozenset[int],
 ) -> dict[int, list[tuple[int, int, bool]]]:
-    """Return of each smooth edge the loops, the places in them, and if they run in its sense."""
+    """Return of each smooth edge the loops, the places in them, and if they run in its sense.
+
+    Rims are smooth only where the network says so.
+    """
     uses: dict[int, list[tuple[int, int, bool]]] = {}
     for number, loop in enumerate(loops):
         for place, (edge, forward) in enumerate(loop):
             uses.setdefault(edge, []).append((number, place, forward))
     return {
-        edge: both for edge, both in uses.items() if _is_smooth(net, edge, both, corners, loops)
+        edge: both
+        for edge, both in uses.items()
+        if (edge not in rims or np.isfinite(net.edges[edge].crease))
+        and _is_smooth(net, edge, both, corners, loops)
     }
 
 
@@ -148,9 +175,10 @@ def planes_of_ends(net: Net, loops: Sequence[Loop]) -> dict[tuple[int, int], lis
         Number of an edge, and 0 for its start or 1 for its end: the normals of the fans there, of
         two corners or more.
     """
+    rims = _rims(net, loops)
     loops, corners = outline_corners(net, loops)
     planes: dict[tuple[int, int], list[Array]] = {}
-    for fan in _fans(_smooth_edges(net, loops, corners), corners, loops):
+    for fan in _fans(_smooth_edges(net, loops, corners, rims), corners, loops):
         if len(fan) < 2:
             continue
         normal = _common_normal([_of(corners, one) for one in fan], list(fan.values()))

@@ -241,9 +241,15 @@ def _first_name(name: str, where: str, again: Mapping[str, str]) -> str:
 
 
 def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, float]:
+    """Return numbers from 0 to 1 by the names of whole curves."""
     made = {}
     for name, number in an_object(value, f"network.{where}").items():
         _known(name, f"network.{where}", rows)
+        if name not in rows:
+            raise UserError(
+                f"“network.{where}” names a piece “{str(name)[:40]}”; it takes whole curves. Give "
+                "the piece as a curve of its own."
+            )
         made[str(name)] = a_number(number, f"network.{where}.{name}", 0.0, 1.0)
     return made
 

@@ -33,6 +33,10 @@ class RoughShape(Part):
     height: Annotated[float, Parameter("Height", 1e-3, 1e6, unit="mm", help="Along z.")] = 60.0
 
 
+DRAWN_ON: Final = "Drawn on"
+"""How the name of a `FollowedShape` begins."""
+
+
 @dataclass(frozen=True)
 class FollowedShape(Part):
     """The surface of another model to draw on; it is no part of the product.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from types import MappingProxyType
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -14,6 +15,12 @@ from bozzetto.plugin import remembered
 from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.rough_shapes.shapes import rough_mesh
+
+Sources: TypeAlias = Mapping[str, Shapes]
+"""What a product follows, by id; see `bozzetto.plugin.Job.sources`."""
+
+NOTHING: Final[Sources] = MappingProxyType({})
+"""What a product follows that follows nothing."""
 
 LYING: Final = 0.02
 """Distance, as share of the size of what was drawn, within which it lies on a canvas."""
@@ -38,15 +45,15 @@ class Canvas:
     mesh: Mesh
 
 
-def canvases_of(state: ProductState, sources: Mapping[str, Shapes]) -> tuple[Canvas, ...]:
+def canvases_of(state: ProductState, sources: Sources) -> tuple[Canvas, ...]:
     """Return what the curves of a product are drawn on, in the order of its parts.
 
     Parameters
     ----------
     state : ProductState
         The recipe.
-    sources : mapping of str to Shapes
-        What other models hand over, by id; see `bozzetto.plugin.Job.sources`.
+    sources : Sources
+        What other models hand over.
     """
     made = []
     for part in state.nodes:
@@ -79,7 +86,7 @@ def mesh_of_rough_shape(part: RoughShape) -> Mesh:
 
 def mesh_of_shapes(shapes: Shapes) -> Mesh:
     """Return all surfaces of some shapes as one mesh; empty where there are curves only."""
-    return _joined(list(_meshes(shapes)))
+    return _joined(tuple(_meshes(shapes)))
 
 
 def _meshes(shapes: Shapes) -> Iterator[Mesh]:
@@ -87,7 +94,9 @@ def _meshes(shapes: Shapes) -> Iterator[Mesh]:
         yield part.mesh
 
 
-def _joined(meshes: list[Mesh]) -> Mesh:
+@remembered(limit=16)
+def _joined(meshes: tuple[Mesh, ...]) -> Mesh:
+    """Return meshes as one; remembered, so that its tree of boxes is made once."""
     vertices: list[Array] = [np.zeros((0, 3))]
     faces: list[Index] = [np.zeros((0, 3), int)]
     normals: list[Array] = [np.zeros((0, 3))]

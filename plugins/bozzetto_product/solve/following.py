@@ -11,7 +11,8 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import DEGREE, Mesh, Spline, closest_on_mesh, mesh_points
 from bozzetto_product.model.curves import Curve, LaidPlaces
-from bozzetto_product.solve.canvas import Canvas
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.canvas import Canvas, Sources, canvases_of
 
 STILL: Final = 1e-6
 """Displacement below which a surface has not moved, as share of the distance of the places from
@@ -36,20 +37,60 @@ def followed_curves(curves: Sequence[Curve], canvases: Sequence[Canvas]) -> tupl
     A curve is displaced by as much as the places on its surface. Where the surface has other
     triangles now, each place goes to the closest one. A curve of which the surface is gone stays.
     """
-    meshes = {canvas.part.id: canvas.mesh for canvas in canvases if len(canvas.mesh.faces)}
+    meshes = _meshes(canvases)
     return tuple(_followed(curve, meshes) for curve in curves)
+
+
+def where_it_stands(state: ProductState, sources: Sources) -> ProductState:
+    """Return a product with its curves where they are on what it follows, as that is now.
+
+    So a person sees it, and so a gesture means it: what is drawn, touched or rubbed out lies over
+    the curves as they stand, not over those of the time before the other model changed.
+
+    Parameters
+    ----------
+    state : ProductState
+        As the recipe has it.
+    sources : Sources
+        What it follows.
+    """
+    if not sources or not any(curve.laid is not None for curve in state.of_kind(Curve)):
+        return state
+    meshes = _meshes(canvases_of(state, sources))
+    nodes = tuple(
+        _laid_anew(node, meshes) if isinstance(node, Curve) else node for node in state.nodes
+    )
+    same = all(after is before for after, before in zip(nodes, state.nodes, strict=True))
+    return state if same else replace(state, nodes=nodes)
+
+
+def _laid_anew(curve: Curve, meshes: Mapping[str, Mesh]) -> Curve:
+    """Return a curve where it is now, with the places there that it follows from now on."""
+    moved = _followed(curve, meshes)
+    if moved is curve or curve.laid is None:
+        return curve
+    now = _places_now(curve.laid, meshes[curve.laid.part])
+    return replace(moved, laid=now)
+
+
+def _meshes(canvases: Sequence[Canvas]) -> dict[str, Mesh]:
+    return {canvas.part.id: canvas.mesh for canvas in canvases if len(canvas.mesh.faces)}
+
+
+def _places_now(laid: LaidPlaces, mesh: Mesh) -> LaidPlaces:
+    """Return places on a surface as it is now: with other triangles the closest ones."""
+    if len(mesh.faces) == laid.count and int(laid.faces.max(initial=0)) < laid.count:
+        return replace(laid, points=mesh_points(mesh, laid.faces, laid.weights))
+    found = closest_on_mesh(mesh, laid.points)
+    faces = found.faces.astype(np.int32)
+    return LaidPlaces(laid.part, len(mesh.faces), faces, found.weights, found.points(mesh))
 
 
 def _followed(curve: Curve, meshes: Mapping[str, Mesh]) -> Curve:
     laid, spline = curve.laid, curve.spline
     if laid is None or spline is None or laid.part not in meshes:
         return curve
-    mesh = meshes[laid.part]
-    if len(mesh.faces) == laid.count and int(laid.faces.max(initial=0)) < laid.count:
-        now = mesh_points(mesh, laid.faces, laid.weights)
-    else:
-        now = closest_on_mesh(mesh, laid.points).points(mesh)
-    moved = now - laid.points
+    moved = _places_now(laid, meshes[laid.part]).points - laid.points
     if np.abs(moved).max(initial=0.0) <= STILL * np.abs(laid.points).max(initial=1.0):
         return curve
     return replace(curve, spline=_displaced(spline, moved))

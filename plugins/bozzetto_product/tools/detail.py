@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
@@ -13,9 +13,11 @@ from bozzetto_product.details.outline_places import NO_SURFACE, places_of_ink
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.canvas import NOTHING, Sources
 from bozzetto_product.solve.paper_surfacing import UNCARVED
+from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import grounds_of, solve_product
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.tools.product_tool import ProductTool, standing
 
 DEPTH: Final = 0.02
 """Depth of the first detail, as share of the size of the product."""
@@ -49,6 +51,7 @@ class DrawDetail(ProductTool):
         return NextStep(self.hint)
 
     @override
+    @standing
     def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Add a detail.
 
@@ -57,14 +60,26 @@ class DrawDetail(ProductTool):
         UserError
             If the ink is not on surfaces, or too small.
         """
-        return with_detail_drawn(state, ink.strokes)
+        return with_detail_drawn(state, ink.strokes, context.sources)
 
 
-def with_detail_drawn(state: ProductState, strokes: Sequence[Stroke]) -> ProductState:
-    """Return the state with one more detail, the outline of which is ink on a surface."""
+def with_detail_drawn(
+    state: ProductState, strokes: Sequence[Stroke], sources: Sources = NOTHING
+) -> ProductState:
+    """Return the state with one more detail, the outline of which is ink on a surface.
+
+    Parameters
+    ----------
+    state : ProductState
+        As it stands on what it follows.
+    strokes : sequence of Stroke
+        In one view.
+    sources : Sources
+        What it follows.
+    """
     if state.surfaces == "paper":
         raise UserError(UNCARVED)
-    result = solve_product(replace(state, nodes=without_details(state)), Job())
+    result = plain_result(state, sources)
     places, closed = places_of_ink(strokes, grounds_of(result.patches))
     model = state.chosen_of(Detail) or next(reversed(state.of_kind(Detail)), None)
     if model is None:
@@ -87,6 +102,11 @@ def with_detail_drawn(state: ProductState, strokes: Sequence[Stroke]) -> Product
     return replace(state.with_node(detail), selected=detail.id)
 
 
-def without_details(state: ProductState) -> tuple[Any, ...]:
-    """Return the parts of a product but its details."""
-    return tuple(node for node in state.nodes if not isinstance(node, Detail))
+def plain_result(state: ProductState, sources: Sources) -> ProductResult:
+    """Return the surfaces of a product without details, where they are seen.
+
+    Without what the product follows its curves would lie where they were drawn, and its surfaces
+    might be turned the other way round.
+    """
+    nodes = tuple(node for node in state.nodes if not isinstance(node, Detail))
+    return solve_product(replace(state, nodes=nodes), Job(sources=sources))

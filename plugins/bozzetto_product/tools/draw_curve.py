@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
@@ -24,7 +25,7 @@ from bozzetto.view import Camera, triple
 from bozzetto_product.model.curves import Curve, LaidPlaces
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.planes import Plane
-from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
+from bozzetto_product.model.rough_shapes import DRAWN_ON, FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.drawing_plane import drawing_plane
@@ -38,8 +39,8 @@ from bozzetto_product.projection.views import pixel_size
 from bozzetto_product.solve.canvas import Canvas, mesh_of_rough_shape
 from bozzetto_product.solve.following import laid_on
 from bozzetto_product.solve.found_patches import with_patches_found
-from bozzetto_product.tools.product_tool import ProductTool
-from bozzetto_product.view.scene import JOIN_TOOL, SURFACES, canvas_layer_name
+from bozzetto_product.tools.product_tool import ProductTool, standing
+from bozzetto_product.view.scene import CANVAS, JOIN_TOOL, SURFACES, canvas_layer_name
 
 MAGNET: Final = 16.0
 """Gap on the sheet, px, over which an end is joined at once."""
@@ -72,6 +73,10 @@ _LIES: Final = {
 _COVERED: Final = (
     "Surfaces lie within what they were drawn on. Hide that in the list of objects to see them, "
     "and show it again to draw on it."
+)
+_UNCOVERED: Final = (
+    "New curves lie on the surfaces now, not on what these were drawn on. Hide that object in the "
+    "list to see them; H leads back."
 )
 _WITHIN: Final = (
     "Surfaces lie within what they were drawn on. Where an object hides them, hide it in the list "
@@ -111,7 +116,7 @@ class DrawCurve(ProductTool):
             return NextStep("Draw on until curves enclose an area: it gets a surface by itself.")
         has_surfaces = bool(state.of_kind(Patch))
         if has_surfaces and len(state.of_kind(FollowedShape)):
-            return NextStep(_COVERED)
+            return NextStep(_COVERED if state.shown(FollowedShape) else _UNCOVERED)
         if has_surfaces and _is_on_what_is_no_part(state):
             return NextStep(_WITHIN)
         return NextStep(_LIES.get(state.lay, self.hint))
@@ -122,6 +127,7 @@ class DrawCurve(ProductTool):
         return MagnetPreview(self, state, context)
 
     @override
+    @standing
     def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Add the strokes as one curve.
 
@@ -132,7 +138,38 @@ class DrawCurve(ProductTool):
         """
         older = continued_curve(state, ink.strokes)
         strokes = (*older.strokes, *ink.strokes) if older is not None else ink.strokes
+        if not state.nodes and state.lay == "surface":
+            state, context = _following_what_is_under(state, strokes, context)
         return with_drawn(state, strokes, context, older)
+
+
+def _following_what_is_under(
+    state: ProductState, strokes: Sequence[Stroke], context: Context
+) -> tuple[ProductState, Context]:
+    """Return an empty product that follows the object its first curve is drawn on, and the scene.
+
+    It stays as it is where most of the ink is on no other object, or on what that object is not
+    made of, such as the rough shape of another product.
+    """
+    scene = context.scene
+    solid = Scene(tuple(each for each in scene.layers if not each.name.startswith(CANVAS)))
+    camera = strokes[0].camera
+    pixels = np.concatenate([on_canvas(stroke, camera).points for stroke in strokes]).astype(float)
+    looks = pixels[np.linspace(0, len(pixels) - 1, LOOKS).astype(int)]
+    models = Counter(cast_rays(solid, camera.rays(looks)).owners)
+    model, count = models.most_common(1)[0]
+    if not model or count < ON_ROUGH * LOOKS:
+        return state, context
+    part = FollowedShape(state.unused_id(), state.unused_name(DRAWN_ON), source=model)
+    items = tuple(
+        item
+        for layer in solid.layers
+        if layer.owner == model
+        for item in layer.items
+        if isinstance(item, Shaded) and item.pickable
+    )
+    canvas = Layer(canvas_layer_name(part.id), items)
+    return state.with_node(part), replace(context, scene=scene + Scene((canvas,)))
 
 
 def _is_on_what_is_no_part(state: ProductState) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.ink import Drawing
-from bozzetto.plugin import Context, Drag, Gesture, Job, NextStep, Tap, override
+from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
 from bozzetto.scene import Layer, Lines, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
 from bozzetto_product.details.drawing_outlines import drawing_outlines
@@ -20,11 +20,12 @@ from bozzetto_product.details.outline_places import NO_SURFACE, tangent_axes
 from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.canvas import Sources
 from bozzetto_product.solve.paper_surfacing import UNCARVED
 from bozzetto_product.solve.result import ProductResult
-from bozzetto_product.solve.solver import grounds_of, solve_product
-from bozzetto_product.tools.detail import DEPTH, GAP, without_details
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.solve.solver import grounds_of
+from bozzetto_product.tools.detail import DEPTH, GAP, plain_result
+from bozzetto_product.tools.product_tool import ProductTool, standing
 from bozzetto_product.view.detail_view import EMBLEM_TOOL, MIDDLE, SIZED, emblem_corner
 
 FIRST: Final = "Text"
@@ -74,6 +75,7 @@ class LayText(ProductTool):
         return NextStep(self.hint)
 
     @override
+    @standing
     def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
         """Lay a text under the pen, upright on the sheet.
 
@@ -82,7 +84,7 @@ class LayText(ProductTool):
         UserError
             If there is no surface that is carved.
         """
-        plain = _plain(state)
+        plain = _plain(state, context.sources)
         at, up = _touched(tap.camera, np.array((tap.x, tap.y)), grounds_of(plain.patches))
         model = state.chosen_of(Emblem) or next(reversed(state.of_kind(Emblem)), None)
         if model is None:
@@ -91,6 +93,7 @@ class LayText(ProductTool):
         return _with_emblem(state, replace(model, name=name, turn=0.0), plain, at, up)
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return the outlines after the drag."""
         if not isinstance(gesture, Drag):
@@ -99,13 +102,14 @@ class LayText(ProductTool):
         after = self.drag(state, gesture, context).chosen_of(Emblem)
         if emblem is None or after is None:
             return Scene()
-        rows = emblem_outlines(after, _grounds(state))
+        rows = emblem_outlines(after, _grounds(state, context.sources))
         rows = [np.vstack((row, row[:1])) for row in rows]
         starts = np.cumsum([0, *(len(row) for row in rows[:-1])]).astype(np.int32)
         points = np.concatenate(rows).astype(np.float32)
         return Scene((Layer("moved", (Lines(points, starts, color="accent", width=2.0),)),))
 
     @override
+    @standing
     def drag(self, state: ProductState, drag: Drag, context: Context) -> ProductState:
         """Move the chosen text over the surfaces, or turn and size it.
 
@@ -114,7 +118,7 @@ class LayText(ProductTool):
         UserError
             If it leaves the surfaces.
         """
-        emblem, grounds = state.chosen_of(Emblem), _grounds(state)
+        emblem, grounds = state.chosen_of(Emblem), _grounds(state, context.sources)
         followed = (
             None
             if emblem is None or emblem.places is None or not grounds
@@ -147,7 +151,7 @@ class LayText(ProductTool):
         return state.with_node(replace(emblem, height=height, turn=turn))
 
 
-def with_drawing_laid(state: ProductState, drawing: Drawing, camera: Camera) -> ProductState:
+def with_drawing_laid(state: ProductState, drawing: Drawing, context: Context) -> ProductState:
     """Return the state with the closed lines of a drawing on a surface, as one detail.
 
     They lie in the middle of the chosen surface, or else on what is in the middle of the sheet, as
@@ -158,7 +162,7 @@ def with_drawing_laid(state: ProductState, drawing: Drawing, camera: Camera) -> 
     UserError
         If there is no surface, or the drawing has no closed lines.
     """
-    plain = _plain(state)
+    plain, camera = _plain(state, context.sources), context.camera
     grounds = grounds_of(plain.patches)
     if not grounds:
         raise UserError(NO_SURFACE)
@@ -193,7 +197,7 @@ def _middle(ground: Ground) -> Array:
     return np.asarray(area @ corners.mean(axis=1) / area.sum())
 
 
-def _plain(state: ProductState) -> ProductResult:
+def _plain(state: ProductState, sources: Sources) -> ProductResult:
     """Return the surfaces without details.
 
     Raises
@@ -203,7 +207,7 @@ def _plain(state: ProductState) -> ProductResult:
     """
     if state.surfaces == "paper":
         raise UserError(UNCARVED)
-    return solve_product(replace(state, nodes=without_details(state)), Job())
+    return plain_result(state, sources)
 
 
 def _first(result: ProductResult) -> Emblem:
@@ -223,9 +227,8 @@ def _with_emblem(
     return replace(state.with_node(added), selected=added.id)
 
 
-def _grounds(state: ProductState) -> tuple[Ground, ...]:
-    result = solve_product(replace(state, nodes=without_details(state)), Job())
-    return grounds_of(result.patches)
+def _grounds(state: ProductState, sources: Sources) -> tuple[Ground, ...]:
+    return grounds_of(plain_result(state, sources).patches)
 
 
 def _touched(

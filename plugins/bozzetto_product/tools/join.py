@@ -15,7 +15,7 @@ from bozzetto_product.operations.magnets import NearMiss, near_misses
 from bozzetto_product.operations.trim import accept
 from bozzetto_product.projection.views import seen_at
 from bozzetto_product.tools.over_curve import NO_CURVE
-from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves
+from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, standing
 from bozzetto_product.view.scene import JOIN_TOOL, dots, lines
 
 OFFERED: Final = 60.0
@@ -45,6 +45,7 @@ class Join(ProductTool):
         return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return all gaps that are offered in this view, the one under the pen stronger."""
         if not isinstance(gesture, Tap):
@@ -59,6 +60,7 @@ class Join(ProductTool):
         return Scene((Layer("offers", tuple(items)),))  # type: ignore[arg-type]
 
     @override
+    @standing
     def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
         """Join the end under the pen.
 

@@ -16,7 +16,7 @@ from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.outlines import rim_edges
 from bozzetto_product.solve.found_patches import found_loops, switched
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.tools.product_tool import ProductTool, standing
 from bozzetto_product.view.scene import LOOP_TOOL, edge_lines
 
 LIT: Final = 6.0
@@ -46,6 +46,7 @@ class SwitchLoop(ProductTool):
         return NextStep(f"{self.hint} Edges with a light have a surface on one side only.")
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return the loop that a touch would mean, lit."""
         if not isinstance(gesture, Tap):
@@ -58,6 +59,7 @@ class SwitchLoop(ProductTool):
         return Scene((Layer("lit", (edge_lines(edges, "accent", LIT, 0.55),)),))
 
     @override
+    @standing
     def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
         """Switch the surface under the pen.
 

@@ -12,6 +12,7 @@ from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.curve_meant import CurveMeant, curve_under
 from bozzetto_product.operations.modify import modify
 from bozzetto_product.tools.over_curve import OverCurve
+from bozzetto_product.tools.product_tool import standing
 from bozzetto_product.view.scene import lines, polyline
 
 LIT: Final = 6.0
@@ -29,6 +30,7 @@ class Modify(OverCurve):
     hovers = True
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return the curve that is meant, lit; of ink the curves that would come."""
         if isinstance(gesture, Tap):

@@ -18,9 +18,9 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_edits import move_joint
 from bozzetto_product.operations.curve_meant import place_under
 from bozzetto_product.operations.meetings import meeting_place, splines_of
-from bozzetto_product.solve.canvas import mesh_of_rough_shape
+from bozzetto_product.solve.canvas import Sources, mesh_of_rough_shape
 from bozzetto_product.solve.solver import solve_product
-from bozzetto_product.tools.product_tool import ProductTool, own_surfaces
+from bozzetto_product.tools.product_tool import ProductTool, own_surfaces, standing
 from bozzetto_product.view.scene import (
     CHOSEN_WIDTH,
     JOINT,
@@ -60,6 +60,7 @@ class Move(ProductTool):
         return NextStep(self.hint)
 
     @override
+    @standing
     def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
         """Choose the curve under the pen, or the surface, or the rough shape.
 
@@ -69,7 +70,7 @@ class Move(ProductTool):
             If there is none of them.
         """
         surfaces = own_surfaces(context.scene)
-        surface = _surface_under(state, tap, surfaces)
+        surface = _surface_under(state, tap, surfaces, context.sources)
         reach = NEAR_CURVE if surface else REACH
         found = place_under(state, tap.camera, (tap.x, tap.y), surfaces, reach=reach)
         if found is not None:
@@ -86,6 +87,7 @@ class Move(ProductTool):
         )
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return the curves, or the rough shape, after the drag."""
         if not isinstance(gesture, Drag):
@@ -103,6 +105,7 @@ class Move(ProductTool):
         return Scene((Layer("moved", tuple(items)),))  # type: ignore[arg-type]
 
     @override
+    @standing
     def drag(self, state: ProductState, drag: Drag, context: Context) -> ProductState:
         """Move a joint, or size a rough shape.
 
@@ -118,13 +121,13 @@ class Move(ProductTool):
         raise UserError(_GONE)
 
 
-def _surface_under(state: ProductState, tap: Tap, scene: Scene) -> str:
+def _surface_under(state: ProductState, tap: Tap, scene: Scene, sources: Sources) -> str:
     """Return the id of the patch whose surface, or its mirror image, is seen there, or ""."""
     hits = cast_rays(scene, tap.camera.rays(np.array([[tap.x, tap.y]])))
     if not hits.hit[0]:
         return ""
     met = hits.surfaces[int(hits.on[0])]
-    filled = solve_product(state, Job()).filled
+    filled = solve_product(state, Job(sources=sources)).filled
     if met.number >= len(filled):
         return ""
     one = filled[met.number]

@@ -12,7 +12,7 @@ from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
-from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves
+from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, standing
 from bozzetto_product.view.scene import CHOSEN_WIDTH, lines, polyline
 
 NO_CURVE: Final = "Draw a curve first; then draw over it where it is to run."
@@ -37,6 +37,7 @@ class OverCurve(ProductTool):
         return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return the curves that would come, lit."""
         if not isinstance(gesture, Ink):
@@ -45,6 +46,7 @@ class OverCurve(ProductTool):
         return Scene((Layer("lit", tuple(_lit_changes(state, after))),))
 
     @override
+    @standing
     def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Change the curve that the strokes are drawn over.
 

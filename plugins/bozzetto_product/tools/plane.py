@@ -15,7 +15,7 @@ from bozzetto_product.model.planes import Point
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import place_under
 from bozzetto_product.projection.planes import plane_through
-from bozzetto_product.tools.product_tool import ProductTool, own_surfaces
+from bozzetto_product.tools.product_tool import ProductTool, own_surfaces, standing
 from bozzetto_product.view.scene import PLANE_TOOL, dots
 
 REACH: Final = 12.0
@@ -48,12 +48,14 @@ class SetPlane(ProductTool):
         return NextStep((_FIRST, "Touch two more places.", "Touch one more place.")[known])
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return a dot at the place under the pen."""
         found = _place_under(state, gesture, context) if isinstance(gesture, Tap) else None
         return Scene() if found is None else Scene((Layer("lit", (dots([found]),)),))
 
     @override
+    @standing
     def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
         """Take one more place; the third makes the plane, one after that begins another one.
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from functools import wraps
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.pieces import delete_curves
+from bozzetto_product.solve.canvas import Sources
+from bozzetto_product.solve.following import where_it_stands
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.view.scene import SURFACES, polyline
@@ -45,14 +48,32 @@ SAME_PLACE: Final = 0.01
 LOOKS: Final = 64
 """Places of a path that are looked at."""
 
+Self_ = TypeVar("Self_")
+Given = TypeVar("Given")
+Made = TypeVar("Made")
+Method: TypeAlias = Callable[[Self_, ProductState, Given, Context], Made]
+
+
+def standing(method: Method[Self_, Given, Made]) -> Method[Self_, Given, Made]:
+    """Give a method of a tool the product where it stands on what it follows; a decorator."""
+
+    @wraps(method)
+    def with_curves_there(
+        self: Self_, state: ProductState, gesture: Given, context: Context
+    ) -> Made:
+        return method(self, where_it_stands(state, context.sources), gesture, context)
+
+    return with_curves_there
+
 
 class ProductTool(Tool[ProductState]):
     """A tool of the modeler: the eraser does the same with all of them."""
 
     @override
+    @standing
     def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Take away the curves that the eraser's path runs along, or the details under it."""
-        return erased(state, ink.strokes[-1])
+        return erased(state, ink.strokes[-1], context.sources)
 
 
 def own_surfaces(scene: Scene) -> Scene:
@@ -65,8 +86,17 @@ def has_curves(state: ProductState) -> bool:
     return any(curve.spline is not None for curve in state.of_kind(Curve))
 
 
-def erased(state: ProductState, path: Stroke) -> ProductState:
+def erased(state: ProductState, path: Stroke, sources: Sources) -> ProductState:
     """Return the state without the curves that a path runs along, or the details that it is over.
+
+    Parameters
+    ----------
+    state : ProductState
+        As it stands on what it follows.
+    path : Stroke
+        Of the eraser.
+    sources : Sources
+        What it follows.
 
     Raises
     ------
@@ -76,7 +106,7 @@ def erased(state: ProductState, path: Stroke) -> ProductState:
     meant = curves_along(state, path)
     if meant:
         return changed(state, lambda before: delete_curves(before, *meant))
-    details = {one.detail.id for one in details_under(state, path)}
+    details = {one.detail.id for one in details_under(state, path, sources)}
     if details:
         nodes = tuple(node for node in state.nodes if node.id not in details)
         selected = "" if state.selected in details else state.selected
@@ -87,7 +117,7 @@ def erased(state: ProductState, path: Stroke) -> ProductState:
     )
 
 
-def details_under(state: ProductState, path: Stroke) -> list[SolvedDetail]:
+def details_under(state: ProductState, path: Stroke, sources: Sources) -> list[SolvedDetail]:
     """Return the details, or mirror images, of which the outline is rubbed over or all round.
 
     A detail on the far side of the product is not meant.
@@ -96,7 +126,7 @@ def details_under(state: ProductState, path: Stroke) -> list[SolvedDetail]:
 
     if not state.shown(Detail):
         return []
-    result = solve_product(state, Job("preview"))
+    result = solve_product(state, Job("preview", sources=sources))
     meshes = [one.fill.mesh for one in result.filled if one.fill is not None]
     scene = Scene((Layer("surfaces", tuple(Shaded(mesh) for mesh in meshes)),))
     rubbed = shapely.MultiPoint(np.asarray(path.points, float)).convex_hull.buffer(REACH)

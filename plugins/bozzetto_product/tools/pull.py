@@ -14,10 +14,11 @@ from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.pull import pulled
+from bozzetto_product.solve.canvas import NOTHING, Sources
 from bozzetto_product.solve.paper_surfacing import UNPULLED
 from bozzetto_product.solve.result import SolvedPatch
 from bozzetto_product.solve.solver import solve_product
-from bozzetto_product.tools.product_tool import ProductTool
+from bozzetto_product.tools.product_tool import ProductTool, standing
 from bozzetto_product.view.scene import LIT_OPACITY
 
 LOOKS: Final = 33
@@ -45,12 +46,13 @@ class Pull(ProductTool):
         return NextStep(self.hint)
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return the surface that would come, lit."""
         if not isinstance(gesture, Ink):
             return Scene()
         stroke = gesture.strokes[-1]
-        one = _meant(state, stroke)
+        one = _meant(state, stroke, context.sources)
         if one is None or one.fill is None:
             return Scene()
         found = pulled(one.fill, stroke)
@@ -58,6 +60,7 @@ class Pull(ProductTool):
         return Scene((Layer("lit", (item,)),))
 
     @override
+    @standing
     def draw(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Pull the chosen surface, or the one under the strokes.
 
@@ -67,11 +70,11 @@ class Pull(ProductTool):
             If there is no surface, or it cannot follow a stroke.
         """
         for stroke in ink.strokes:
-            state = with_pull(state, stroke)
+            state = with_pull(state, stroke, context.sources)
         return state
 
 
-def with_pull(state: ProductState, stroke: Stroke) -> ProductState:
+def with_pull(state: ProductState, stroke: Stroke, sources: Sources = NOTHING) -> ProductState:
     """Return the state with a surface that follows one more stroke.
 
     Raises
@@ -81,7 +84,7 @@ def with_pull(state: ProductState, stroke: Stroke) -> ProductState:
     """
     if state.surfaces == "paper":
         raise UserError(UNPULLED)
-    one = _meant(state, stroke)
+    one = _meant(state, stroke, sources)
     if one is None or one.fill is None:
         raise UserError(
             "There is no surface under the stroke. Draw it over a surface, or choose one first."
@@ -97,12 +100,12 @@ def with_pull(state: ProductState, stroke: Stroke) -> ProductState:
     return replace(state.with_node(after), selected=state.selected)
 
 
-def _meant(state: ProductState, stroke: Stroke) -> SolvedPatch | None:
+def _meant(state: ProductState, stroke: Stroke, sources: Sources) -> SolvedPatch | None:
     """Return the surface that a stroke means: the chosen one, else that under most of it.
 
     Where there is none under it, the one that is seen nearest to its middle.
     """
-    filled = solve_product(state, Job("preview")).filled
+    filled = solve_product(state, Job("preview", sources=sources)).filled
     if not filled or len(stroke.points) < 2:
         return None
     chosen = state.chosen_of(Patch)

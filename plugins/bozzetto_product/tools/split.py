@@ -11,7 +11,13 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurvePlace, place_under
 from bozzetto_product.operations.pieces import split_curve
 from bozzetto_product.tools.over_curve import NO_CURVE
-from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, own_surfaces
+from bozzetto_product.tools.product_tool import (
+    ProductTool,
+    changed,
+    has_curves,
+    own_surfaces,
+    standing,
+)
 from bozzetto_product.view.scene import dots
 
 REACH: Final = 14.0
@@ -35,12 +41,14 @@ class Split(ProductTool):
         return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
+    @standing
     def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
         """Return a dot at the place where the curve would be cut."""
         found = _under(state, gesture, context) if isinstance(gesture, Tap) else None
         return Scene() if found is None else Scene((Layer("lit", (dots([found.point]),)),))
 
     @override
+    @standing
     def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
         """Cut the curve under the pen.
 

@@ -69,6 +69,9 @@ a curve as large as the sheet."""
 SURFACES: Final = "surfaces"
 """Name of the layer of the surfaces."""
 
+CANVAS: Final = "rough "
+"""How the name of a layer begins that shows a surface to draw on; the id of its part follows."""
+
 LIT_OPACITY: Final = 0.5
 """Opacity of a surface that would come."""
 
@@ -131,7 +134,7 @@ def _shown(state: ProductState, canvases: Iterable[Canvas]) -> Iterator[Canvas]:
 
 def canvas_layer_name(part_id: str) -> str:
     """Return the name of the layer that shows a surface to draw on."""
-    return f"rough {part_id}"
+    return CANVAS + part_id
 
 
 def _canvas_layer(state: ProductState, canvas: Canvas) -> Layer:

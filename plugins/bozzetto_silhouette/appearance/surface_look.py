@@ -1,7 +1,8 @@
-"""The look of a surface: the colours of its parts, and a picture over them."""
+"""The look of a surface: the colours of its parts, a picture over them, and paint over both."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,6 +11,16 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh, Texture
 from bozzetto.plugin import remembered
+from bozzetto_silhouette.appearance.live_canvas import Canvas
+from bozzetto_silhouette.appearance.paint_layer import (
+    Group,
+    Track,
+    laid_strokes,
+    paint_at,
+    paint_on_mesh,
+    tracks_of,
+)
+from bozzetto_silhouette.appearance.paint_refinement import Refinement, refined
 from bozzetto_silhouette.appearance.picture_projection import axes_of, projection_of, texel_of
 from bozzetto_silhouette.appearance.texture_baking import baked
 from bozzetto_silhouette.appearance.vertex_colors import (
@@ -24,6 +35,9 @@ from bozzetto_silhouette.inflation.solidify import Checkpoint, ignore
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.draft import Drafted
+
+TEXELS = 4.0
+"""Texels that the radius of the finest stroke of paint takes in a texture, if there is room."""
 
 
 class Painted(NamedTuple):
@@ -41,22 +55,120 @@ class Painted(NamedTuple):
     shown: Mesh
 
 
+class Ground(NamedTuple):
+    """A body's meshes before strokes of paint, and the colours of parts and picture on them.
+
+    Attributes
+    ----------
+    mesh, shown : Mesh
+        As in `Painted`, without colours.
+    coat, shown_coat : Coat or None
+        Of their vertices; None where all have the object's colour.
+    """
+
+    mesh: Mesh
+    shown: Mesh
+    coat: Coat | None
+    shown_coat: Coat | None
+
+
 def painted(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Painted:
     """Color a body's mesh, for the screen and for files."""
     checkpoint(1.0, "colours")  # the last step, and a short one
+    ground = ground_of(state, body, checkpoint)
+    checkpoint(1.0, "colours")
+    strokes = laid_strokes(state)
+    mesh = _colored(ground.mesh, _with_paint(strokes, ground.mesh, ground.coat, body))
+    if ground.shown is ground.mesh:
+        return Painted(mesh, mesh)
+    shown = _with_paint(strokes, ground.shown, ground.shown_coat, body)
+    return Painted(mesh, _colored(ground.shown, shown))
+
+
+# One more stroke of paint leaves what is under it.
+@remembered(limit=8, key=lambda state, body, checkpoint: (state.unpainted, state.picture, body))
+def ground_of(state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore) -> Ground:
+    """Return a body's meshes with the colours of its parts, and of a picture over them."""
     plain = Mesh(body.vertices.astype(np.float32), body.faces, body.normals.astype(np.float32))
     parts = part_coat(state, body)
     checkpoint(1.0, "colours")
     picture = _picture_coat(state, body)
     if parts is None and picture is None:
-        return Painted(plain, creased(body) if len(body.creases) else plain)
+        return Ground(plain, creased(body) if len(body.creases) else plain, None, None)
     coat = parts or bare(len(body.vertices))
-    mesh = _colored(plain, coat if picture is None else picture.over(coat))
+    whole = coat if picture is None else picture.over(coat)
     checkpoint(1.0, "colours")
     creases = None if parts is None else creases_between(state, body, parts)
     if creases is None:
-        return Painted(mesh, mesh)
-    return Painted(mesh, _split(plain, coat, creases, picture))
+        return Ground(plain, plain, whole, whole)
+    shown, shown_coat = _split(plain, coat, creases, picture)
+    return Ground(plain, shown, whole, shown_coat)
+
+
+def paint_edges(
+    state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore
+) -> Refinement | None:
+    """Return finer triangles for the shown mesh where strokes of paint end; None without any."""
+    strokes = laid_strokes(state)
+    return _refined(strokes, ground_of(state, body).shown, body, checkpoint) if strokes else None
+
+
+# Stroke by stroke, so that one more takes no longer than the first.
+@remembered(limit=4, key=lambda strokes, shown, body, checkpoint: (strokes, shown))
+def _refined(
+    strokes: tuple[Group, ...], shown: Mesh, body: Body, checkpoint: Checkpoint
+) -> Refinement:
+    known = _refined.known(strokes[:-1], shown, body, checkpoint) if len(strokes) > 1 else None
+    fine = Refinement.of(shown) if known is None else known
+    for track in tracks_of(strokes if known is None else strokes[-1:], body):
+        checkpoint(1.0, "paint")
+        fine = refined(fine, track, body.step)
+    return fine
+
+
+def finely_shown(state: SilhouetteState, body: Body, fine: Refinement, shown: Mesh) -> Mesh:
+    """Return a shown mesh, as its joints are turned, with finer triangles where paint ends."""
+    under = ground_of(state, body).shown_coat
+    coat = fine.paint if under is None else fine.paint.over(_spread(fine, under))
+    return _colored(fine.applied(shown), coat)
+
+
+def canvas_of(state: SilhouetteState, body: Body, seen: Callable[[Mesh], Mesh]) -> Canvas:
+    """Return a body's mesh to paint on, with the paint that is on it.
+
+    Parameters
+    ----------
+    state : SilhouetteState
+        What was drawn and painted.
+    body : Body
+        The whole shape.
+    seen : callable
+        Gives a mesh of the body, vertex for vertex, as its joints are turned.
+    """
+    strokes, ground = laid_strokes(state), ground_of(state, body)
+    fine = _soon(strokes, ground, body)
+    under = bare(len(ground.mesh.vertices)) if ground.coat is None else ground.coat
+    if fine is None:
+        paint = paint_on_mesh(strokes, ground.mesh, body, body.step)
+        return Canvas(ground.mesh, seen(ground.mesh), under, paint, body.step)
+    rest, there = fine.applied(ground.mesh), fine.applied(seen(ground.mesh))
+    return Canvas(rest, there, _spread(fine, under), fine.paint, body.step)
+
+
+def _soon(strokes: tuple[Group, ...], ground: Ground, body: Body) -> Refinement | None:
+    """Return the finer triangles of strokes, if at most the last one is to be worked out."""
+    if not strokes or ground.shown is not ground.mesh:
+        return None
+    asked = (strokes,) if len(strokes) == 1 else (strokes, strokes[:-1])
+    known = [_refined.known(some, ground.shown, body, ignore) for some in asked]
+    if len(strokes) > 1 and all(fine is None for fine in known):
+        return None
+    return _refined(strokes, ground.shown, body, ignore)
+
+
+def _spread(fine: Refinement, coat: Coat) -> Coat:
+    columns = fine.spread(np.column_stack([coat.rgb, coat.cover]))
+    return Coat(columns[:, :3], columns[:, 3])
 
 
 def sketched(state: SilhouetteState, draft: Drafted, checkpoint: Checkpoint = ignore) -> Mesh:
@@ -67,16 +179,27 @@ def sketched(state: SilhouetteState, draft: Drafted, checkpoint: Checkpoint = ig
     walls = coat_of_origins(state, body)
     under = coat_of_origins(state, replace(body, origins=draft.under.astype(np.int32)))
     picture = _picture_coat(state, body)
-    if walls is None or under is None:
-        coat = bare(len(body.vertices))
-        if picture is None:
-            return plain
-    else:
-        coat = walls.over(under)
-    return _colored(plain, coat if picture is None else picture.over(coat))
+    coat = None if walls is None or under is None else walls.over(under)
+    if picture is not None:
+        coat = picture if coat is None else picture.over(coat)
+    strokes = laid_strokes(state)
+    if strokes:
+        paint = paint_at(tracks_of(strokes, None), body.vertices, body.normals, body.step)
+        coat = paint if coat is None else paint.over(coat)
+    return _colored(plain, coat)
 
 
-def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> Mesh:
+def _with_paint(
+    strokes: tuple[Group, ...], mesh: Mesh, under: Coat | None, body: Body
+) -> Coat | None:
+    """Return colours with strokes of paint over them; None where there are neither."""
+    if not strokes:
+        return under
+    paint = paint_on_mesh(strokes, mesh, body, body.step)
+    return paint if under is None else paint.over(under)
+
+
+def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> tuple[Mesh, Coat]:
     """Add a vertex to the mesh for every corner that has a colour of its own."""
     count = len(plain.vertices)
     faces = plain.faces.copy()
@@ -87,10 +210,12 @@ def _split(plain: Mesh, coat: Coat, creases: Creases, picture: Coat | None) -> M
     if picture is not None:
         whole = picture.at(order).over(whole)
     normals = plain.vertex_normals()[order]
-    return _colored(Mesh(plain.vertices[order], faces, normals), whole)
+    return Mesh(plain.vertices[order], faces, normals), whole
 
 
-def _colored(mesh: Mesh, coat: Coat) -> Mesh:
+def _colored(mesh: Mesh, coat: Coat | None) -> Mesh:
+    if coat is None:
+        return mesh
     colors, cover = coat.bytes()
     return replace(mesh, colors=colors, cover=None if (cover == 255).all() else cover)
 
@@ -103,19 +228,23 @@ def _picture_coat(state: SilhouetteState, body: Body) -> Coat | None:
 
 
 def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
-    """Return a body's colours as a texture; None where no picture is projected.
+    """Return a body's colours as a texture; None without a picture and strokes of paint.
 
     Colours of parts alone are smooth enough for vertices.
     """
-    picture = state.picture
-    if picture is None:
+    strokes = laid_strokes(state)
+    if state.picture is None and not strokes:
         return None
-    return _baked(state, body, picture)
+    return _baked(state, body, strokes)
 
 
 # By the content; a large one takes 64 MB.
-@remembered(limit=2, key=lambda state, body, picture: (state.nodes, picture, body))
-def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
+@remembered(
+    limit=2,
+    key=lambda state, body, strokes: (state.unpainted, state.picture, body, strokes),
+)
+def _baked(state: SilhouetteState, body: Body, strokes: tuple[Group, ...]) -> Texture:
+    picture, tracks = state.picture, tracks_of(strokes, body)
     under = _corner_coat(state, body)
     places = np.concatenate([body.vertices, body.normals], axis=1)
 
@@ -125,13 +254,24 @@ def _baked(state: SilhouetteState, body: Body, picture: Picture) -> Texture:
         points, normals = np.hsplit(np.asarray(there), 2)
         length = np.sqrt(np.einsum("nd,nd->n", normals, normals))
         normals = normals / np.maximum(length, 1e-300)[:, None]
-        coat = projection_of(picture, body.radius, detail).coat(points, normals)
+        coat = paint_at(tracks, points, normals, detail)
+        if picture is not None:
+            coat = coat.over(projection_of(picture, body.radius, detail).coat(points, normals))
         if under is None:
             return coat
         below = np.einsum("nk,nkd->nd", weights, under[face])
         return coat.over(Coat(below[:, :3], below[:, 3]))
 
-    return baked(body.vertices, body.faces, axes_of(picture), 1.0 / texel_of(picture), paint)
+    return baked(body.vertices, body.faces, *_axes_and_density(picture, tracks), paint)
+
+
+def _axes_and_density(picture: Picture | None, tracks: list[Track]) -> tuple[Array, float]:
+    """Return the axes to lay the surface out along, and the texels per mm that are wanted."""
+    radii = [float(track.segments.radii.max()) for track in tracks]
+    density = TEXELS / max(min(radii), 1e-300) if radii else 0.0
+    if picture is None:
+        return np.eye(3), density
+    return axes_of(picture), max(density, 1.0 / texel_of(picture))
 
 
 def _corner_coat(state: SilhouetteState, body: Body) -> Array | None:

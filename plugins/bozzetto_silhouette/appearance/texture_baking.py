@@ -16,6 +16,10 @@ Paint = Callable[[Index, Array, float], Coat]
 """Colours of points on a surface from their faces (n,), their barycentric weights (n, 3), and
 the distance between them, mm."""
 
+LEAST = 1024
+"""Longest side of a picture at least, texels: where one is looked at closely smaller ones show
+their texels."""
+
 AT_ONCE = 1 << 17
 """Texels coloured in one sweep: their arrays stay in the processor's cache."""
 
@@ -32,11 +36,11 @@ def baked(vertices: Array, faces: Faces, axes: Array, density: float, paint: Pai
     axes : (3, 3) float array
         Rows: orthonormal; along them the surface is projected.
     density : float
-        Texels per mm that are wanted.
+        Texels per mm that are wanted; more where the picture would be smaller than `LEAST`.
     paint : callable
         Gives the colours of points on the surface.
     """
-    layout = laid_out(vertices, faces, axes, density)
+    layout = laid_out(vertices, faces, axes, max(density, _least_density(vertices, faces, axes)))
     texel, face, weights = _texels(layout)
     width, height = layout.size
     pixels = np.zeros((width * height, 4), np.uint8)
@@ -50,6 +54,17 @@ def baked(vertices: Array, faces: Faces, axes: Array, density: float, paint: Pai
     _spread(pixels.reshape(height, width, 4), known.reshape(height, width))
     corners = (layout.places / layout.size).astype(np.float32)
     return Texture(pixels.reshape(height, width, 4), corners)
+
+
+def _least_density(vertices: Array, faces: Faces, axes: Array) -> float:
+    """Return the texels per mm from which a surface fills more than half of a least picture.
+
+    Faces are counted as large as they are seen along the axis that shows them best.
+    """
+    corners = vertices[faces] @ axes.T
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * float(np.abs(across).max(axis=1).sum())
+    return float(LEAST * np.sqrt(0.5 / max(area, 1e-300)))
 
 
 def _texels(layout: Layout) -> tuple[Index, Index, Array]:

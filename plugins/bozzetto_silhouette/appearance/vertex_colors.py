@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Index
 from bozzetto_silhouette.implicit.composite import Composite, box_distance
 from bozzetto_silhouette.implicit.implicit_solid import Implicit, Placed
-from bozzetto_silhouette.model.state import Color, Part, SilhouetteState
+from bozzetto_silhouette.model.paint_stroke import Color
+from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.solids.body import Body
 
 TIE = 0.02

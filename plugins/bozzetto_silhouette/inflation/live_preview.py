@@ -6,6 +6,7 @@ a few milliseconds.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,14 +56,19 @@ class Inflation:
     normals: Array
 
 
-def _pieces(points: Array) -> list[tuple[Array, ...]]:
-    """Return the rings of each piece that a closed, perhaps crossing, line encloses."""
+def _pieces(points: Array, holes: Sequence[Array]) -> list[tuple[Array, ...]]:
+    """Return the rings of each piece that a closed, perhaps crossing, line encloses.
+
+    What lies in the rings of `holes` is left out.
+    """
     import shapely
 
     polygon = shapely.Polygon(points)
     if not polygon.is_valid and len(self_crossings(points, closed=True)) > MOST_CROSSINGS:
         return []
     valid = polygon if polygon.is_valid else shapely.make_valid(polygon)
+    for hole in holes:
+        valid = shapely.difference(valid, shapely.buffer(shapely.Polygon(hole), 0.0))
     result = []
     for part in shapely.get_parts(valid):
         if part.geom_type not in ("Polygon", "MultiPolygon"):
@@ -78,7 +84,9 @@ def _pieces(points: Array) -> list[tuple[Array, ...]]:
     return result
 
 
-def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
+def inflate(
+    outline_points: ArrayLike, *, cells: int = 20, holes: Sequence[Array] = ()
+) -> Inflation | None:
     """Inflate an open stroke, closed by a straight chord.
 
     Parameters
@@ -87,6 +95,8 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
         Samples so far.
     cells : int
         Cells along the longest side.
+    holes : sequence of (k, 2) array
+        Rings of what the stroke is drawn around, which will be holes.
 
     Returns
     -------
@@ -110,7 +120,8 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
     if len(inner) < 3:
         return None
     try:
-        shells = [_inflated(rings, 1.0 / cells) for rings in _pieces(inner)]
+        inside = [(hole - middle) / size for hole in holes]
+        shells = [_inflated(rings, 1.0 / cells) for rings in _pieces(inner, inside)]
     except (ValueError, RuntimeError, IndexError, ArithmeticError):
         # Degenerate ink on the way to something better: show nothing for this frame.
         return None
@@ -123,9 +134,9 @@ def inflate(outline_points: ArrayLike, *, cells: int = 20) -> Inflation | None:
     return Inflation(vertices, faces.astype(np.int32), np.concatenate([n for _, _, n in shells]))
 
 
-def inflated_scene(points: ArrayLike, sheet: Sheet) -> Scene:
+def inflated_scene(points: ArrayLike, sheet: Sheet, holes: Sequence[Array] = ()) -> Scene:
     """Return a scene of the shape that an outline (n, 2), still being drawn, inflates to."""
-    inflation = inflate(points)
+    inflation = inflate(points, holes=holes)
     if inflation is None:
         return Scene()
     mesh = Mesh(

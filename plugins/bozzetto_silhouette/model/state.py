@@ -18,9 +18,9 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Group as PlainGroup
 from bozzetto.plugin import Parameter, PartsState
 from bozzetto.plugin import Part as PlainPart
+from bozzetto_silhouette.model.paint_stroke import Color, PaintStroke
 from bozzetto_silhouette.model.sketch_plane import Point, Sheet
 
-Color = tuple[int, int, int]
 Operation = Literal["add", "merge", "carve", "intersect"]
 Surface = Literal["convolution", "variational", "inflation", "straight"]
 Kernel = Literal["scalis", "cauchy", "inverse-cubic", "inverse-quartic", "quartic", "sextic"]
@@ -121,6 +121,8 @@ class Part(Node):
         What was drawn over the outline since, in order.
     profile : Strokes
         Drawn from another view: how thick it is along its main axis.
+    paint_strokes : tuple of PaintStroke
+        What was painted on its surface.
     color : (r, g, b), optional
         sRGB; else the colour of its ink, else clay.
     """
@@ -129,6 +131,7 @@ class Part(Node):
     sheet: Sheet = Sheet()
     edits: tuple[Edit, ...] = ()
     profile: Strokes = Strokes()
+    paint_strokes: tuple[PaintStroke, ...] = ()
     color: Annotated[Color | None, Parameter("Colour", help="Of this part.")] = None
     surface: Annotated[
         Surface,
@@ -235,6 +238,7 @@ class Part(Node):
             pose=plain.pose,
             operation=plain.operation,
             blend=plain.blend,
+            paint_strokes=(),
             color=None,
         )
 
@@ -357,8 +361,44 @@ class SilhouetteState(PartsState):
     ] = "hole"
     paint: Annotated[
         Color | None,
-        Parameter("Paint colour", help="What the paint tool gives to parts; none takes it away."),
+        Parameter(
+            "Paint colour",
+            help="What Paint gives to whole parts, and Brush to what it goes over; none takes it "
+            "away.",
+        ),
     ] = (196, 74, 54)
+    brush_size: Annotated[
+        float,
+        Parameter(
+            "Brush size",
+            1.0,
+            400.0,
+            step=1.0,
+            unit="px",
+            help="Width of the brush on the sheet where the pen is pressed hard; zoom in to paint "
+            "finer.",
+        ),
+    ] = 24.0
+    brush_opacity: Annotated[
+        float,
+        Parameter(
+            "Brush opacity",
+            0.05,
+            1.0,
+            step=0.05,
+            help="How much a stroke of the brush covers what lies under it.",
+        ),
+    ] = 1.0
+    brush_softness: Annotated[
+        float,
+        Parameter(
+            "Soft edge",
+            0.0,
+            1.0,
+            step=0.05,
+            help="How much of the brush's radius its edge takes to fade.",
+        ),
+    ] = 0.2
     mirrored: Annotated[
         bool,
         Parameter(
@@ -388,3 +428,12 @@ class SilhouetteState(PartsState):
     def parts(self) -> tuple[Part, ...]:
         """The nodes that are outlines."""
         return self.of_kind(Part)
+
+    @property
+    def unpainted(self) -> tuple[Part | Cut | Group, ...]:
+        """The nodes without strokes of paint: what shape, joints and colours of parts depend on."""
+        return tuple(
+            replace(node, paint_strokes=()) if isinstance(node, Part) and node.paint_strokes
+            else node
+            for node in self.nodes
+        )  # fmt: skip

@@ -148,7 +148,7 @@ class _Piece:
         return np.asarray(self.skeleton.nodes[:, 2:] * self.placement.scale / stretch)
 
 
-@remembered(limit=64, key=lambda state: state.nodes)
+@remembered(limit=64, key=lambda state: state.unpainted)
 def armature_of(state: SilhouetteState) -> Armature | None:
     """Return the joints of all parts that add to the shape; None where there are none.
 

@@ -158,7 +158,7 @@ def figures_of(state: SilhouetteState) -> Array:
 
 
 # Asked for at every moment of a motion.
-@remembered(limit=16, key=lambda armature, state: (state.nodes, state.keys))
+@remembered(limit=16, key=lambda armature, state: (state.unpainted, state.keys))
 def _keys(armature: Armature, state: SilhouetteState) -> Array:
     """Return the quaternions of every key, (k, n, 4), x, y, z, w."""
     return np.array([quaternions_of(armature, key.turns) for key in state.keys])

@@ -125,7 +125,7 @@ def skinned(
     armature = armature_of(state)
     if armature is None:
         return Posed(look.mesh, look.shown, None)
-    joints, weights = _weights(state.nodes, armature, body, checkpoint)
+    joints, weights = _weights(state.unpainted, armature, body, checkpoint)
     # What is shown has the same faces; where colours meet some of its vertices are copies.
     original = np.zeros(len(look.shown.vertices), np.intp)
     original[look.shown.faces] = look.mesh.faces
@@ -135,6 +135,15 @@ def skinned(
     skin = Skin(rig, joints, weights, None if rig.turns is None else look.mesh)
     mesh = skin.posed(look.mesh)
     return Posed(mesh, mesh if look.shown is look.mesh else rest.posed(rig), skin)
+
+
+def bent(state: SilhouetteState, body: Body, mesh: Mesh) -> Mesh:
+    """Return a mesh of a body, vertex for vertex, in the pose of the turned joints."""
+    armature = armature_of(state) if state.turns else None
+    if armature is None:
+        return mesh
+    joints, weights = _weights(state.unpainted, armature, body, ignore)
+    return Skin(_turned(armature, state.turns), joints, weights).posed(mesh)
 
 
 def skinned_draft(
@@ -148,7 +157,7 @@ def skinned_draft(
     armature = armature_of(state)
     if armature is None:
         return mesh
-    rest = _Rest(mesh, *_draft_weights(state.nodes, armature, draft, checkpoint))
+    rest = _Rest(mesh, *_draft_weights(state.unpainted, armature, draft, checkpoint))
     _shown_last.put(rest, state.nodes)
     return rest.posed(_turned(armature, state.turns))
 

@@ -69,8 +69,8 @@ def put_together(
 
 
 def without_blends(state: SilhouetteState) -> SilhouetteState:
-    """Return a state of the same nodes with sharp creases."""
-    return SilhouetteState(tuple(replace(node, blend=0.0) for node in state.nodes))
+    """Return a state of the same nodes with sharp creases, and without strokes of paint."""
+    return SilhouetteState(tuple(replace(node, blend=0.0) for node in state.unpainted))
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from typing import Any
 from bozzetto.plugin import Tool
 from bozzetto_silhouette.tools.animate import Animate
 from bozzetto_silhouette.tools.arrange import Arrange
+from bozzetto_silhouette.tools.brush import Brush
 from bozzetto_silhouette.tools.cut import DrawCut
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.draw_profile import DrawProfile
@@ -34,5 +35,6 @@ def all_tools() -> tuple[Tool[Any], ...]:
         Animate(),
         MirrorCopy(),
         Paint(),
+        Brush(),
         ProjectPicture(),
     )

@@ -94,7 +94,7 @@ def _floating(state: SilhouetteState, part_id: str) -> Part | None:
 
 
 # Asked for every part after every stroke: the rest is united only where something is cut from it.
-@remembered(limit=256, key=lambda state, part: (state.nodes, part.id))
+@remembered(limit=256, key=lambda state, part: (state.unpainted, part.id))
 def _touches(state: SilhouetteState, part: Part) -> bool:
     """Whether a part touches something of the rest, or nothing can be said of it."""
     others = state.without_nodes(part.id)
@@ -112,7 +112,7 @@ def _touches(state: SilhouetteState, part: Part) -> bool:
     return touch is None or _touch(alone, touch.body)
 
 
-@remembered(limit=16, key=lambda state, part: (state.nodes, part.id))
+@remembered(limit=16, key=lambda state, part: (state.unpainted, part.id))
 def _gap(state: SilhouetteState, part: Part) -> Gap | None:
     """Find the way along the part's line of sight, else the shortest one; None if it touches."""
     from scipy.spatial import cKDTree

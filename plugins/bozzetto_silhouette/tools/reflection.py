@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Placement
+from bozzetto.geometry import Mesh, Placement, closest_on_mesh
 from bozzetto.plugin import Context
 from bozzetto.scene import Item, Layer, Lines, Scene, Shaded
 from bozzetto_silhouette.model.sketch_plane import Sheet
@@ -24,8 +24,8 @@ UP = (0.0, 0.0, 1.0)
 """The world's."""
 
 SAME = 0.02
-"""Distance between a part and its mirror image below which they are one, as a share of the
-part's size: the meshes of two like halves differ by less."""
+"""Distance of a mirror image from the surface of its part below which they are one, as a share of
+the part's size: a hand that draws over the middle comes as near."""
 
 FLAT = 1e-6
 """Sine of an angle, and share of a length, below which a sheet lies in a plane."""
@@ -154,8 +154,8 @@ def reflected_scene(scene: Scene, image: Placement) -> Scene:
 
 def _is_alike(part: Part, twin: Part) -> bool:
     """Whether two parts of one group take up the same space."""
-    from scipy.spatial import cKDTree
-
-    one, other = (body_of(node, TOUCHED_CELLS).vertices for node in (part, twin))
-    gap = np.asarray(cKDTree(one).query(other)[0])
-    return bool(gap.max() < SAME * np.ptp(one, axis=0).max())
+    one, other = (body_of(node, TOUCHED_CELLS) for node in (part, twin))
+    gap = closest_on_mesh(
+        Mesh(one.vertices.astype(np.float32), one.faces), other.vertices
+    ).distances
+    return bool(gap.max() < SAME * np.ptp(one.vertices, axis=0).max())

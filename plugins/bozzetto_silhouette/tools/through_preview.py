@@ -8,10 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from bozzetto.arrays import Array, Flags
+from bozzetto.ink import Stroke, resample
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera, Rays
+from bozzetto_silhouette.model.sketch_plane import Sheet
 from bozzetto_silhouette.model.state import Part, SilhouetteState
-from bozzetto_silhouette.view.picking import Touch
+from bozzetto_silhouette.outline.from_ink import points_on_sheet
+from bozzetto_silhouette.view.picking import Touch, shape_seen
+
+LOOKS = 96
+"""Lines of sight along an outline."""
 
 RULED = 8
 """Of so many lines of sight one is drawn, from where it goes in to where it comes out."""
@@ -65,6 +71,16 @@ def trace_of(touch: Touch, pixels: Array, camera: Camera) -> Trace:
         reach = away + 2.0 * np.linalg.norm(box[1] - box[0])
         beyond = rays.origins + reach[:, None] * rays.directions
     return Trace(touch, near.points, touch.hits(Rays(beyond, -rays.directions)).points)
+
+
+def trace_through(state: SilhouetteState, strokes: Sequence[Stroke], sheet: Sheet) -> Trace | None:
+    """Follow lines of sight through a closed outline on a sheet; None where there is no shape."""
+    touch = shape_seen(state)
+    if touch is None:
+        return None
+    ring = resample(np.concatenate(points_on_sheet(strokes, sheet)), count=LOOKS, closed=True)
+    pixels, _ = strokes[0].camera.project(sheet.to_world(np.vstack([ring, ring[:1]])))
+    return trace_of(touch, pixels, strokes[0].camera)
 
 
 def parts_at(state: SilhouetteState, touch: Touch, points: Array) -> list[Part]:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from bozzetto.errors import Unfinished
-from bozzetto.ink import Stroke, Strokes, is_one_view, resample
+from bozzetto.ink import Stroke, Strokes, is_one_view
 from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Scene
 from bozzetto_silhouette.model.sketch_plane import Sheet, sheet_under
 from bozzetto_silhouette.model.state import Part, SilhouetteState
 from bozzetto_silhouette.model.view_rays import view_rays_through
-from bozzetto_silhouette.outline.from_ink import outline_of, points_on_sheet
+from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.tools.draw_outline import meets_itself
 from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 from bozzetto_silhouette.tools.insert_node import check_that_it_carves, insert_node
@@ -22,11 +20,7 @@ from bozzetto_silhouette.tools.reflection import (
     reflection_of,
     with_reflected_tool,
 )
-from bozzetto_silhouette.tools.through_preview import Trace, trace_of
-from bozzetto_silhouette.view.picking import shape_seen
-
-LOOKS = 96
-"""Lines of sight along the outline."""
+from bozzetto_silhouette.tools.through_preview import Trace, trace_through
 
 
 class DrawTunnel(ErasingTool):
@@ -43,7 +37,7 @@ class DrawTunnel(ErasingTool):
         if not isinstance(gesture, Ink):
             return Scene()
         sheet = sheet_under(gesture.strokes[0], context)
-        trace = _trace(state, gesture.strokes, sheet)
+        trace = trace_through(state, gesture.strokes, sheet)
         if trace is None:
             return Scene()
         scene = trace.scene(through=True)
@@ -74,7 +68,7 @@ class DrawTunnel(ErasingTool):
         outline_of(part)
         check_that_it_carves(state, state.with_node(part))
         sheet = part.sheet
-        trace = _trace(state, ink.strokes, sheet)
+        trace = trace_through(state, ink.strokes, sheet)
         if trace is None:
             return state.with_node(part)
         part = replace(part, sheet=_on_surface(sheet, trace, ink.strokes))
@@ -92,13 +86,3 @@ def _on_surface(sheet: Sheet, trace: Trace, strokes: tuple[Stroke, ...]) -> Shee
     height = float(((trace.near[trace.hit] - sheet.origin) @ sheet.normal).max())
     _, most = view_rays_through(sheet, camera).before_eye(0.0, height)
     return sheet.at(height) if height <= most else sheet  # an eye in the shape sees no surface
-
-
-def _trace(state: SilhouetteState, strokes: tuple[Stroke, ...], sheet: Sheet) -> Trace | None:
-    """Follow the lines of sight through an outline on a sheet; None where there is no shape."""
-    touch = shape_seen(state)
-    if touch is None:
-        return None
-    ring = resample(np.concatenate(points_on_sheet(strokes, sheet)), count=LOOKS, closed=True)
-    pixels, _ = strokes[0].camera.project(sheet.to_world(np.vstack([ring, ring[:1]])))
-    return trace_of(touch, pixels, strokes[0].camera)

@@ -74,6 +74,29 @@ def test_what_the_dialog_foresees_is_written_and_remembered(
     assert again.handover == Handover(scale=2.0, triangles=100)
 
 
+def test_quads_take_the_place_of_triangles_and_both_are_counted(
+    window, settle, qtbot, tmp_path, monkeypatch
+):
+    dialog = opened(window)
+    choose(dialog, "obj")
+    dialog.mesh.set_silently("quads")
+    dialog.mesh.chosen.emit("quads")
+    dialog.quads.setValue(400)
+    assert not dialog.triangles.isEnabled()
+    assert dialog.handover == Handover(quads=400)
+    ready(qtbot, dialog)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "a.obj"), ""))
+    said = dialog.state.text()
+    dialog.go.click()
+    settle(window.session)
+    sizes = [line.count(" ") for line in (tmp_path / "a.obj").read_text().splitlines()
+             if line.startswith("f ")]  # fmt: skip
+    assert f"{sizes.count(4)} quads, {sizes.count(3)} triangles" in said
+    assert sizes.count(4) > 300
+    again = opened(window)
+    assert again.handover == Handover(quads=400)
+
+
 def test_objects_are_chosen_and_none_cannot_be_exported(window, qtbot, settle, tmp_path):
     dialog = opened(window)
     choose(dialog, "stl")
@@ -123,7 +146,8 @@ def test_what_no_chosen_format_heeds_is_grey_and_kept_for_those_that_do(window, 
 def test_settings_that_anybody_wrote_do_not_stop_the_dialog(window, qtbot, wrong):
     from bozzetto_app.settings import settings
 
-    for key in ("formats", "unit", "up", "scale", "triangles", "lines", "lay_flat"):
+    keys = "formats unit up scale triangles quads mesh lines lay_flat"
+    for key in keys.split():
         settings().setValue(f"handover/{key}", wrong)
     dialog = opened(window)
     ready(qtbot, dialog)
@@ -165,7 +189,7 @@ def test_nothing_moves_under_the_pointer_when_the_answer_comes(window, qtbot):
     before = places()
     choose(dialog, "stl", "glb")
     ready(qtbot, dialog)
-    said = Foreseen((1.0, 2.0, 3.0), 12, ((".glb", 100),), ("What is said of the file.",))
+    said = Foreseen((1.0, 2.0, 3.0), 12, 0, ((".glb", 100),), ("What is said of the file.",))
     window.session.files.exchange.foreseen.emit(said)
     assert dialog.warning.isVisible()
     qtbot.wait(50)
@@ -177,7 +201,7 @@ def test_on_a_low_screen_it_says_that_there_are_warnings_below(window, qtbot, mo
     from PySide6.QtCore import QRect
     from PySide6.QtGui import QScreen
 
-    seen = Foreseen((1.0, 2.0, 3.0), 12, ((".stl", 100),), ("The walls are thin.",))
+    seen = Foreseen((1.0, 2.0, 3.0), 12, 0, ((".stl", 100),), ("The walls are thin.",))
     for size, is_told in (((1280, 1400), False), ((683, 384), True)):
         free = QRect(0, 0, *size)
         monkeypatch.setattr(QScreen, "availableGeometry", lambda _, free=free: free)
@@ -248,3 +272,14 @@ def test_the_answer_to_a_choice_that_has_changed_is_not_shown(window, qtbot, mon
     assert [[ending for ending, _ in one.files] for one in seen] == [[".obj"]]
     assert "OBJ" in dialog.state.text()
     assert len(asked) == 2
+
+
+def test_the_dialog_shows_a_picture_of_what_is_chosen(window, settle, qtbot):
+    dialog = opened(window)
+    qtbot.waitUntil(lambda: not dialog.picture.pixmap().isNull(), timeout=20_000)
+    first = dialog.picture.pixmap().toImage()
+    assert first.height() <= 200 * dialog.devicePixelRatioF()
+    dialog.objects.item(1).setCheckState(Qt.CheckState.Unchecked)
+    qtbot.waitUntil(lambda: dialog.go.isEnabled(), timeout=20_000)
+    assert dialog.picture.pixmap().toImage() != first
+    dialog.reject()

@@ -119,3 +119,54 @@ def test_a_copy_of_what_is_hidden_lies_beside_it_too(make_session, settle):
     session.objects.duplicate(model.id)
     settle(session)
     assert not overlap(*(session.solver.extent(each.id) for each in session.drawing.document))
+
+
+def made_of_two(make_session, settle):
+    """A session with two bodies of one modeler, the second of which is selected."""
+    session = make_session()
+    for number in range(2):
+        model = session.workbench.sources.from_shapes(
+            "bozzetto.mesh", block((50.0, 50.0, 50.0)), f"b{number}"
+        )
+        at = Placement(offset=(0.0, 200.0 * number, 0.0))
+        session.drawing.apply_model("Import", replace(model, placement=at), is_new=True)
+    settle(session)
+    return session
+
+
+def test_undo_of_a_copy_selects_what_it_is_a_copy_of(make_session, settle):
+    session = made_of_two(make_session, settle)
+    first, second = session.drawing.document.models
+    session.selection.select(first.id)
+    session.objects.duplicate(first.id)
+    copy = session.selection.id
+    assert copy not in (first.id, second.id)
+    session.drawing.undo()
+    assert session.selection.id == first.id
+    session.drawing.redo()
+    session.drawing.undo()
+    assert session.selection.id == first.id
+
+
+def test_undo_of_what_was_begun_anew_selects_nothing(make_session, settle):
+    """Else the next stroke would go into the earlier object."""
+    session = made_of_two(make_session, settle)
+    session.selection.select(None)
+    model = session.workbench.sources.from_shapes("bozzetto.mesh", block((50.0, 50.0, 50.0)), "new")
+    session.drawing.apply_model("Draw", model, is_new=True)
+    assert session.selection.id == model.id
+    session.drawing.undo()
+    assert session.selection.id is None
+
+
+def test_a_model_that_was_deleted_is_not_followed_by_a_choice_at_a_later_undo(make_session, settle):
+    session = made_of_two(make_session, settle)
+    first, second = session.drawing.document.models
+    session.selection.select(first.id)
+    session.selection.select(second.id)
+    session.objects.delete(second.id)
+    assert session.selection.id is None
+    session.selection.select(None)
+    session.objects.rename(first.id, "other")
+    session.drawing.undo()
+    assert session.selection.id is None

@@ -279,6 +279,26 @@ def test_how_a_mesh_is_read_is_said_unless_its_file_says_it(
     assert sum("Parameters can change both" in text for text in words(session, "info")) == said
 
 
+def test_flat_curves_are_ink_for_the_modeler_in_use_and_others_stay_curves(
+    make_session, settle, tmp_path
+):
+    from bozzetto.exchange.cad.curve_pieces import polyline
+    from bozzetto.exchange.export import export
+    from bozzetto.geometry import Shapes
+
+    session = make_session()
+    flat = [(0, 0, 0), (90, 0, 0), (90, 50, 0), (0, 50, 0), (0, 0, 0)]
+    bent = [(x, y, 0.01 * x * y) for x, y, _ in flat]
+    for name, places in (("flat", flat), ("bent", bent)):
+        export(Shapes(curves=(polyline(places),)), tmp_path / f"{name}.step")
+        session.files.exchange.import_file(tmp_path / f"{name}.step")
+        settle(session)
+    assert words(session, "error") == []
+    ink, curves = session.drawing.document
+    assert (ink.modeler, curves.modeler) == ("bozzetto.silhouette", "bozzetto.mesh")
+    assert curves.state.curves[0].control_points.tolist() == [list(map(float, p)) for p in bent]
+
+
 def test_a_drawing_a_mesh_and_a_picture_come_in_each_as_one_step(make_session, settle, tmp_path):
     from bozzetto.images.png import write_png
 

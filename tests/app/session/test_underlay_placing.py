@@ -128,6 +128,7 @@ def test_four_touches_bring_two_places_where_they_belong(window, pen, settle):
     wishes = []
     for place_of_touch in (one, goals[0], two, goals[1]):
         wishes.append(placing.wish)
+        assert session.hints.step.sentence == placing.wish  # as every place of the window says it
         x, y = seen(session, place_of_touch)
         pen.press(x, y)
         pen.release(x, y)
@@ -151,6 +152,7 @@ def test_escape_ends_an_alignment_and_touches_are_the_tool_s_again(window, pen, 
     QTest.keyClick(window.canvas, Qt.Key.Key_Escape)
     assert not placing.is_aligning
     assert placing.wish == ""
+    assert session.hints.step.sentence == "Draw a closed outline."
     window.canvas.setFocus()
     pen.stroke([(x, y, 0.5) for x, y in circle(600, 380, 90)])
     settle(session)

@@ -137,6 +137,21 @@ def test_a_report_says_how_true_the_shape_is(bozzetto, tmp_path):
     assert part["watertight"] is True
 
 
+def test_several_formats_come_of_one_solve(bozzetto, tmp_path):
+    (tmp_path / "ring.svg").write_text(RING)
+    words = ("build", "silhouette", "ring.svg", "-o", "r.stl", "-o", "out/r.glb")
+    process = bozzetto(*words, "--report", "r.json")
+    assert process.returncode == 0, process.stderr
+    written = json.loads((tmp_path / "r.json").read_text())["written"]
+    assert [one["format"] for one in written] == ["stl", "glb"]
+    assert (tmp_path / "r.stl").stat().st_size > 0
+    assert (tmp_path / "out" / "r.glb").stat().st_size > 0
+    for more in (("--format", "stl"), ("-o", "r.stl"), ("-o", "out/")):
+        process = bozzetto(*words, *more)
+        assert process.returncode == 2
+        assert "error:" in process.stderr
+
+
 def test_several_inputs_go_to_a_folder_with_progress(bozzetto, square, tmp_path):
     (tmp_path / "ring.svg").write_text(RING)
     (tmp_path / "eight.svg").write_text(EIGHT)

@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 
-from bozzetto.errors import FormatError, UserError
+from bozzetto.errors import UserError
 from bozzetto.exchange.export import export
 from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.exchange.mesh.manifold_check import enclosed_volume
@@ -386,7 +386,8 @@ def test_iges_subfigures_stand_where_they_are_used(tmp_path):
     assert "Wheel" in {part.name for part in found}
 
 
-def test_loose_curves_are_told(tmp_path):
+@BOTH
+def test_loose_curves_come_with_the_bodies(tmp_path, ending):
     _, _, build, gp = kit()
     from OCP.BRep import BRep_Builder
     from OCP.TopoDS import TopoDS_Compound
@@ -396,9 +397,42 @@ def test_loose_curves_are_told(tmp_path):
     builder.Add(both, solids()["box"][0])
     edge = build.BRepBuilderAPI_MakeEdge(gp.gp_Pnt(0, 0, 0), gp.gp_Pnt(90, 0, 0)).Edge()
     builder.Add(both, edge)
-    read = read_mesh_file(written(both, tmp_path / "a.step"), trusted=True)
+    read = read_mesh_file(written(both, tmp_path / f"a.{ending}"))
     assert len(read.shapes.solids) == 1
-    assert "Left out: a curve" in read.left_out[0]
+    (curve,) = read.shapes.curves
+    assert curve.value(curve.range) == pytest.approx(np.array([[0, 0, 0], [90, 0, 0]]))
+    assert not any("curve" in said for said in read.left_out)
+
+
+def conic_edges():
+    """Arcs and whole ellipses in space, each with its places by Open CASCADE."""
+    _, _, build, gp = kit()
+    from OCP.Geom import Geom_Circle, Geom_Ellipse
+
+    frame = gp.gp_Ax2(gp.gp_Pnt(3, -4, 5), gp.gp_Dir(1, 2, 3), gp.gp_Dir(3, 0, -1))
+    circle, ellipse = Geom_Circle(frame, 12.5), Geom_Ellipse(frame, 20.0, 6.0)
+    ends = [(circle, 0.4, 5.1), (circle, 0.0, 2 * np.pi), (ellipse, 5.0, 7.5),
+            (ellipse, 0.0, 2 * np.pi)]  # fmt: skip
+    for curve, begin, end in ends:
+        edge = build.BRepBuilderAPI_MakeEdge(curve, begin, end).Edge()
+        at = np.linspace(begin, end, 60)
+        points = [curve.Value(float(t)) for t in at]
+        yield edge, np.array([(p.X(), p.Y(), p.Z()) for p in points])
+
+
+@BOTH
+def test_curves_of_another_kernel_lie_where_it_has_them(tmp_path, ending):
+    for number, (edge, places) in enumerate(conic_edges()):
+        read = read_mesh_file(written(edge, tmp_path / f"{number}.{ending}"))
+        (curve,) = read.shapes.curves
+        assert not tuple(read.shapes.meshes())
+        begin, end = curve.range
+        dense = curve.value(np.linspace(begin, end, 20_001))
+        size = float(np.linalg.norm(np.ptp(places, axis=0)))
+        off = [np.linalg.norm(dense - place, axis=1).min() for place in places]
+        assert max(off) <= 3e-4 * size, number  # half a step between the places
+        ends = np.sort(np.linalg.norm(dense[[0, -1], None] - places[[0, -1]], axis=2).min(axis=1))
+        assert ends[-1] <= 1e-9 * size, number
 
 
 @pytest.mark.parametrize(
@@ -432,19 +466,23 @@ def test_parts_that_lie_in_other_files_are_named(tmp_path):
         before, _, after = data.rpartition(b"ENDSEC;")
         (tmp_path / f"{name}.step").write_bytes(before + names + b"ENDSEC;" + after)
     said = "in other files (LEG.stp, seat.STEP). Open those"
-    assert said in outcome(tmp_path / "only.step")
+    read = read_mesh_file(tmp_path / "only.step", trusted=True)
+    assert len(read.shapes.curves) == 1
+    assert any(said in words for words in read.left_out)
     assert "other files" not in outcome(tmp_path / "none.step")
     read = read_mesh_file(tmp_path / "also.step", trusted=True)
     assert len(read.shapes.solids) == 1
     assert any(said in words for words in read.left_out)
 
 
-def test_curves_alone_are_refused(tmp_path):
+def test_curves_alone_need_no_library(tmp_path):
     places = np.array([[0, 0, 0], [30, 0, 0], [30, 20, 0], [0, 20, 0]], float)
     curve = Curve(3, np.array([0, 0, 0, 0, 1, 1, 1, 1.0]), places)
     export(Shapes(curves=(curve,)), tmp_path / "a.step")
-    with pytest.raises(FormatError, match="no faces"):
-        read_mesh_file(tmp_path / "a.step", trusted=True)
+    read = read_mesh_file(tmp_path / "a.step")
+    (found,) = read.shapes.curves
+    assert (found.control_points == places).all()
+    assert read.left_out == ()
 
 
 def outcome(path):

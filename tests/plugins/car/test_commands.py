@@ -57,7 +57,7 @@ def test_treatments_move_no_node_and_leave_surfaces_smooth(id_: str, kind: str) 
         state = replace(worked_on(seed), length=4700.0)
         made = run(id_, state)
         assert made.edits[:-1] == state.edits
-        assert made.edits[-1] == Treatment(state.dimensions, kind)  # type: ignore[arg-type]
+        assert made.edits[-1] == Treatment(state.dimensions, kind, kept=False)  # type: ignore[arg-type]
         before, after = body_of(replace(state, length=0.0)), body_of(replace(made, length=0.0))
         assert np.array_equal(before.network.positions, after.network.positions)
         assert not after.troubles

@@ -50,7 +50,12 @@ from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of, tangents
 from bozzetto_polyhedron.solid.pieces import pieces_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
-from bozzetto_polyhedron.solid.triangulation import face_triangles, triangles_of, volume_of
+from bozzetto_polyhedron.solid.triangulation import (
+    face_triangles,
+    triangles_of,
+    volume_of,
+    within_face,
+)
 from tests.plugins.polyhedron.figures_solid import off_planes
 from tests.plugins.polyhedron.objects import made
 
@@ -279,33 +284,64 @@ def bevel(body: PlanarBody, rng: np.random.Generator) -> tuple[PlanarBody, float
 
 
 def round_edge(body: PlanarBody, rng: np.random.Generator) -> tuple:
-    """Round a random edge by a fifth of what its faces allow: is it one exact cylinder?
-
-    What is cut or filled is a prism with slanted ends: its area times its length at the centroid.
-    """
+    """Round a random edge by a fifth of what its faces allow: is it one exact cylinder?"""
     edges = edges_of(body.faces)
     one, two = (int(v) for v in edges[rng.integers(len(edges))])
     radius = 0.2 * largest_radius(body, (one, two))
     after, arc = rounded_edge(body, (one, two), radius)
-    half = half_angle(body, (one, two))
-    kite, sector = radius**2 / np.tan(half), radius**2 * (0.5 * np.pi - half)
-    reach = radius / np.sin(half)
-    of_kite = (radius / np.tan(half) * np.cos(half) + reach) / 3.0
-    of_sector = reach - 2.0 / 3.0 * radius * np.cos(half) / (0.5 * np.pi - half)
-    area = kite - sector
-    into = np.sum(faces_at_edge(body, (one, two)), axis=0)
-    place = (kite * of_kite - sector * of_sector) / area * into / np.linalg.norm(into)
-    first, second, start, end = edge_faces(body, (one, two))
-    spots = []
-    for vertex, out in ((start, -arc.axis), (end, arc.axis)):
-        normal, offset = cap_at(body, vertex, (first, second), out)
-        spot = body.vertices[start] + place
-        spots.append((offset - spot @ normal) / (arc.axis @ normal))
-    sign = -1.0 if faces_at_edge(body, (one, two))[0] @ body.normals[second] < 0 else 1.0
-    wanted = volume_of(body) + sign * area * (spots[1] - spots[0])
+    change = volume_beside_arc(body, (one, two), radius)
+    wanted = volume_of(body) + change
     walls, cut = walls_of(after, [arc])
-    near = abs(volume_of(after) - wanted) < 0.03 * area * (spots[1] - spots[0])
+    step = arc.sweep / arc.sides
+    beside = radius**2 * (np.tan(0.5 * arc.sweep) - 0.5 * arc.sweep)
+    strips = 0.5 * radius**2 * arc.sides * (step - np.sin(step))
+    near = abs(volume_of(after) - wanted) < 1.5 * strips / beside * abs(change)
     return after, wanted, len(walls) == 1 and not cut and near, [arc]
+
+
+def volume_beside_arc(body: PlanarBody, edge: tuple[int, int], radius: float) -> float:
+    """Return what a round edge adds to a body, mm³; less than 0 where it takes.
+
+    The length along the edge, up to the faces and the caps that end it, is integrated over what is
+    between its faces and the arc, by Gauss and Legendre in polar coordinates about the axis.
+    """
+    first, second, start, end = edge_faces(body, edge)
+    into = np.array(faces_at_edge(body, edge))
+    half = half_angle(body, edge)
+    along = body.vertices[end] - body.vertices[start]
+    length = float(np.linalg.norm(along))
+    along = along / length
+    inward = into.sum(axis=0) / np.linalg.norm(into.sum(axis=0))
+    aside = np.cross(along, inward)
+    center = body.vertices[start] + radius / np.sin(half) * inward
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    most, panels = 0.5 * np.pi - half, 120
+    panel = most / panels
+    turns = (panel * (np.arange(panels)[:, None] + 0.5 + 0.5 * nodes)).ravel()
+    of_turns = np.tile(0.5 * panel * weights, panels)
+    turns, of_turns = np.concatenate((-turns, turns)), np.concatenate((of_turns, of_turns))
+    deep = radius / np.cos(most - np.abs(turns)) - radius
+    reach = radius + deep[:, None] * (0.5 + 0.5 * nodes)
+    measure = of_turns[:, None] * 0.5 * deep[:, None] * weights * reach
+    spots = center + (
+        reach[..., None] * (np.multiply.outer(np.sin(turns), aside)[:, None])
+        - reach[..., None] * (np.multiply.outer(np.cos(turns), inward)[:, None])
+    )
+    spots = spots.reshape(-1, 3)
+    low, high = np.full(len(spots), -np.inf), np.full(len(spots), np.inf)
+    for vertex, out in ((start, -along), (end, along)):
+        normal, offset = cap_at(body, vertex, (first, second), out)
+        limit = (offset - spots @ normal) / (along @ normal)
+        low, high = (low, np.minimum(high, limit)) if out @ along > 0 else (limit, high)
+    middle = 0.5 * (low + high)
+    for number, normal in enumerate(body.normals):
+        if abs(normal @ along) > 1e-9:
+            at = (body.offsets[number] - spots @ normal) / (along @ normal)
+            met = within_face(body, number, spots + np.multiply.outer(at, along))
+            low = np.where(met & (at < middle), np.maximum(low, at), low)
+            high = np.where(met & (at > middle), np.minimum(high, at), high)
+    volume = float(measure.ravel() @ np.maximum(0.0, high - low))
+    return volume if into[0] @ body.normals[second] > 0 else -volume
 
 
 def mirror_image(body: PlanarBody, rng: np.random.Generator) -> tuple[PlanarBody, float, bool]:

@@ -21,24 +21,29 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron import cad_parts
-from tests.plugins.polyhedron.figures_confidence import ASKED, NAMES, said
+from tests.plugins.polyhedron.figures_confidence import (
+    ASKED,
+    NAMES,
+    bins_of,
+    error_of,
+    of_edges,
+    said,
+)
 from tests.plugins.polyhedron.fit_confidence import (
-    BINS,
     KINDS,
-    Outcome,
     judged,
     said_unseen,
 )
 from tests.plugins.polyhedron.fit_ranking import NOISES
 from tests.plugins.polyhedron.graph_truth import corner_numbers, is_right
 from tests.plugins.polyhedron.hand import SIZE, UNTIDY, Hand, strokes_of
+from tests.plugins.polyhedron.kept_outcomes import Outcome, kept
 from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
 from tests.plugins.polyhedron.objects import CAMERA, TO_CANVAS, Polyhedron, graph_of, made, view
 from tests.plugins.polyhedron.workshop_parts import WORKSHOP, workshop_part
@@ -125,14 +130,14 @@ def _of_strokes(seed: int, number: int) -> Outcome | None:
     return judged(graph, numbers, seen, jitter, mirrored=not marked)
 
 
-def rows(name: str, right: np.ndarray, told: np.ndarray) -> None:
-    """Print a row for each bin of what is said."""
-    for low, high in pairwise(BINS):
-        here = (told >= low) & (told < high)
-        if not here.any():
-            continue
-        mean, share = 100.0 * told[here].mean(), 100.0 * right[here].mean()
-        error = float(np.sqrt(mean * (100.0 - mean) / here.sum()))
+def rows(name: str, right: np.ndarray, told: np.ndarray, merged: bool = True) -> None:
+    """Print a row for each bin of what is said; see `bins_of`."""
+    for here in bins_of(told) if merged else of_edges(told):
+        mean, share, error = (
+            100.0 * told[here].mean(),
+            100.0 * right[here].mean(),
+            error_of(told[here]),
+        )
         off = abs(mean - share)
         print(
             f"| {name} | {mean:.1f} % | {share:.1f} % of {here.sum()} | {off:.1f} ± {error:.1f} "
@@ -154,6 +159,7 @@ def table(found: dict[int, Outcome]) -> None:
     evidence = np.array([each.evidence for each in every])
     print(f"| drawings | said | right | difference | at most {ASKED:g} points |")
     print("| --- | --- | --- | --- | --- |")
+    rows("all drawings, every bin", right, told, merged=False)
     rows("all drawings", right, told)
     for name in FAMILIES:
         rows(name, right[families == name], told[families == name])
@@ -164,8 +170,7 @@ def table(found: dict[int, Outcome]) -> None:
 
 
 def main(count: int) -> None:
-    seeds = range(FIRST_SEED, FIRST_SEED + count)
-    table({seed: each for seed in seeds if (each := outcome(seed)) is not None})
+    table(kept("families", range(FIRST_SEED, FIRST_SEED + count), outcome))
 
 
 if __name__ == "__main__":

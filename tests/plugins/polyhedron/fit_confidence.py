@@ -44,6 +44,7 @@ from bozzetto_polyhedron.reconstruction.ranking import (
 )
 from bozzetto_polyhedron.reconstruction.readings import lead_over_others
 from tests.plugins.polyhedron.fit_ranking import NOISES
+from tests.plugins.polyhedron.kept_outcomes import Outcome, kept
 from tests.plugins.polyhedron.objects import CAMERA, View, graph_of, is_right, made, view
 
 SEEDS = (*range(30_000, 35_200), *range(50_000, 52_800))
@@ -78,22 +79,6 @@ from __future__ import annotations
 from typing import Final
 
 '''
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """The first reading of one drawing: its leads and traits, and whether it is right.
-
-    The certainty is that of the lines: 1 where they are given. Apart is the lead over readings of
-    other shapes, which this fit leaves out.
-    """
-
-    evidence: str
-    lead: float
-    traits: np.ndarray
-    right: bool
-    apart: float = 0.0
-    certainty: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +232,7 @@ def held_out(every: Sequence[Outcome]) -> str:
 
 
 def main(count: int) -> None:
-    every = [each for seed in SEEDS[:count] if (each := outcome(seed)) is not None]
+    every = list(kept("solids", SEEDS[:count], outcome).values())
     print(f"{len(every)} drawings\n\n{held_out(every)}")
     Path(written.__file__).write_text(text_of(fitted(every)), encoding="utf-8")
 

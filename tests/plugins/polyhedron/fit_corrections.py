@@ -31,7 +31,8 @@ from bozzetto_polyhedron.reconstruction.ranking import (
     corrected_traits,
 )
 from tests.plugins.polyhedron.figures_families import FAMILIES, family_of, loss, outcome
-from tests.plugins.polyhedron.fit_confidence import Outcome, rows_of_traits, table_of
+from tests.plugins.polyhedron.fit_confidence import rows_of_traits, table_of
+from tests.plugins.polyhedron.kept_outcomes import Outcome, kept
 
 SEEDS = (
     *range(830_000, 830_800),
@@ -133,7 +134,7 @@ def text_of(made: Corrections) -> str:
 
 def main(count: int) -> None:
     seeds = SEEDS[:count]
-    found = {seed: each for seed in seeds if (each := outcome(seed)) is not None}
+    found = kept("families", seeds, outcome)
     print(f"{len(found)} drawings\n\n{held_out(found)}")
     Path(written.__file__).write_text(text_of(fitted(list(found.values()))), encoding="utf-8")
 

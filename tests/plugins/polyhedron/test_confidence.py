@@ -14,7 +14,8 @@ import pytest
 
 from bozzetto_polyhedron.reconstruction.confidence_tables import TRAITS
 from tests.plugins.polyhedron.figures_confidence import FIRST_SEED, said
-from tests.plugins.polyhedron.fit_confidence import BINS, EVIDENCE, SEEDS, Outcome, outcome
+from tests.plugins.polyhedron.fit_confidence import BINS, EVIDENCE, SEEDS, outcome
+from tests.plugins.polyhedron.kept_outcomes import Outcome
 
 DRAWINGS = range(80_000, 80_600)
 

@@ -13,14 +13,16 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import brep_mesh
 from bozzetto.ink import Stroke, is_one_view, on_canvas
 from bozzetto.plugin import Job
+from bozzetto.scene import Points
 from bozzetto.testing import Pen, Shell
 from bozzetto.view import Camera, turn, with_kind
-from bozzetto_polyhedron.model.state import Body, Measure
+from bozzetto_polyhedron.model.assign_stroke import new_body, parted
+from bozzetto_polyhedron.model.state import Body, Measure, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from bozzetto_polyhedron.tools.turn_solid import TurnSolid
 from tests.plugins.polyhedron.drawn_bodies import VIEW, fitted, strokes_of
-from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron
+from tests.plugins.polyhedron.objects import OBJECTS, Polyhedron, made
 from tests.plugins.polyhedron.write_samples import FOLDER, hidden_edges
 
 POLYHEDRON = "bozzetto.polyhedron"
@@ -178,6 +180,39 @@ def test_two_bodies_side_by_side(shell):
     assert len(shell.state.of_kind(Body)) == 2
     assert [entry["closed"] for entry in report(shell)["bodies"]] == [True, True]
     assert len(shell.shapes().breps) == 2
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_two_bodies_drawn_beside_one_another_before_either_is_turned(shell, first):
+    shell.open(POLYHEDRON)
+    shell.camera = VIEW
+    box = OBJECTS["box"]
+    places = ((-55.0, 0.0, 40.0), (60.0, 0.0, 40.0))
+    for at in places:
+        shell.draw(*strokes_of(fitted(box, 50.0, at), box.edges, jitter=1.0))
+    drawn = shell.state
+    assert len(drawn.of_kind(Body)) == 1
+    for at in (places[first], places[1 - first]):
+        (corner,) = VIEW.project(fitted(box, 50.0, at)[:1])[0]
+        shell.tap(*corner, tool="turn")
+        assert len(shell.state.of_kind(Body)) == 2
+    assert [entry["closed"] for entry in report(shell)["bodies"]] == [True, True]
+    sizes = [len(body.strokes) for body in shell.state.of_kind(Body)]
+    assert sizes == [len(box.edges)] * 2
+    assert len(shell.shapes().breps) == 2
+    shell.undo()
+    shell.undo()
+    assert shell.state == drawn
+
+
+@pytest.mark.parametrize("seed", range(90_600, 90_612))
+def test_a_drawing_with_loops_stays_one_when_it_is_turned(seed: int) -> None:
+    solid = made(seed, ("looped",))
+    strokes = strokes_of(fitted(solid), solid.edges, jitter=1.0, seed=seed)
+    state = new_body(PolyhedronState(), strokes)
+    after, body = parted(state, state.of_kind(Body)[0], np.zeros(2))
+    assert after is state
+    assert len(body.strokes) == len(strokes)
 
 
 def far_apart(strokes: list[Stroke]) -> list[Stroke]:
@@ -444,3 +479,28 @@ def test_after_the_touch_it_is_told_what_came_of_it(shell):
     assert step.place is not None
     drawn(shell, "box")
     assert "Turn the view to see it" in TurnSolid().next_step(shell.state).sentence
+
+
+def test_marks_of_a_folded_sheet_stay_on_it_when_the_view_turns(shell):
+    """Three faces of a house without its hidden edges: its corners of two lines are told of."""
+    solid = OBJECTS["house"]
+    vertices = fitted(solid)
+    shell.open(POLYHEDRON)
+    shell.camera = VIEW
+    seen = np.delete(solid.edges, hidden_edges(solid, vertices, VIEW), axis=0)
+    shell.draw(*strokes_of(vertices, seen))
+    shell.run("next-answer")
+    (found,) = shell.solve().bodies.values()
+    assert found.graph.health
+    (layer,) = (one for one in shell.scene().layers if one.name == "findings")
+    (marks,) = (item for item in layer.items if isinstance(item, Points))
+    corners = found.answer.vertices
+    (body,) = shell.state.of_kind(Body)
+    there = body.placement.points(corners)
+    size = np.ptp(there, axis=0).max()
+    gaps = np.linalg.norm(np.asarray(marks.points)[:, None] - there, axis=2).min(axis=1)
+    assert gaps.max() < 0.02 * size
+    for tool in (TurnSolid(), DrawLines()):
+        place = tool.next_step(shell.state).place
+        assert place is not None
+        assert np.linalg.norm(there - place, axis=1).min() < 0.02 * size

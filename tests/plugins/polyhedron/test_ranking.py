@@ -24,12 +24,13 @@ from bozzetto_polyhedron.reconstruction.ranking import (
     traits_of,
 )
 from bozzetto_polyhedron.reconstruction.ranking_weights import WEIGHTS
-from tests.plugins.polyhedron.fit_confidence import EVIDENCE, KNOTS, Outcome, text_of
+from tests.plugins.polyhedron.fit_confidence import EVIDENCE, KNOTS, text_of
 from tests.plugins.polyhedron.fit_confidence import fitted as fitted_confidence
 from tests.plugins.polyhedron.fit_corrections import fitted as fitted_corrections
 from tests.plugins.polyhedron.fit_corrections import text_of as text_of_corrections
 from tests.plugins.polyhedron.fit_corrections import told
 from tests.plugins.polyhedron.fit_ranking import Example, fitted
+from tests.plugins.polyhedron.kept_outcomes import Outcome
 
 TYPICAL = np.array([0.5 * (low + high) for low, high, _ in TRAITS.values()])
 """Traits in the middle of all."""

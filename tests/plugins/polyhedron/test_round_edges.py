@@ -8,7 +8,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import brep_mesh
 from bozzetto.testing import Pen, Shell
-from bozzetto_polyhedron.drawing_on.chamfer import faces_at_edge, room_at_edge
+from bozzetto_polyhedron.drawing_on.chamfer import chamfered, faces_at_edge, room_at_edge
 from bozzetto_polyhedron.drawing_on.circles import SIDES
 from bozzetto_polyhedron.drawing_on.cylinders import (
     brep_with_cylinders,
@@ -28,6 +28,7 @@ from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
 from bozzetto_polyhedron.solid.triangulation import volume_of
+from tests.plugins.polyhedron.figures_drawing_on import volume_beside_arc
 from tests.plugins.polyhedron.shell_bodies import body, changed, with_box
 from tests.plugins.polyhedron.test_exact_planes import off_planes
 from tests.plugins.polyhedron.true_bodies import all_bodies, frustum
@@ -106,6 +107,35 @@ def test_an_arc_touches_both_faces_and_ends_obliquely_as_an_ellipse():
         ]
         for normal, offset in zip(beside, offsets, strict=True):
             assert abs(offset - normal @ arc.center) == pytest.approx(radius, rel=1e-9)
+
+
+@pytest.mark.parametrize("width", [0.1, 0.3])
+def test_an_arc_that_ends_in_two_faces_is_exact_in_both(width: float) -> None:
+    """The end of an upright edge is bevelled, and the radius reaches past the bevel."""
+    box = true_body("box")
+    one, two = edge_at(box)
+    top = max((one, two), key=lambda v: box.vertices[v][2])
+    over = next(e for e in edges_of(box.faces).tolist() if top in e and {one, two} - set(e))
+    radius = 0.6 * largest_radius(box, (one, two))
+    made = chamfered(box, (over[0], over[1]), width * radius)
+    below = box.vertices[one if top == two else two]
+    edge = next(
+        (int(a), int(b))
+        for a, b in edges_of(made.faces)
+        if np.abs((made.vertices[[a, b]] - below)[:, :2]).max() < 1e-9
+    )
+    after, arc = rounded_edge(made, edge, radius)
+    walls, cut = walls_of(after, [arc])
+    assert (len(walls), cut) == (1, 0)
+    assert sorted(len(end) for end in walls[0].ends) == [1, 2]
+    for place in walls[0].places.values():
+        spoke = place - arc.center
+        away = np.linalg.norm(spoke - (spoke @ arc.axis) * arc.axis)
+        assert away == pytest.approx(radius, rel=1e-12)
+    brep = brep_with_cylinders(after, [arc])
+    assert brep.is_closed
+    change = volume_beside_arc(made, edge, radius)
+    assert exact_volume(after, [arc]) == pytest.approx(volume_of(made) + change, rel=1e-6)
 
 
 def test_a_radius_without_room_is_refused_with_the_largest_one():

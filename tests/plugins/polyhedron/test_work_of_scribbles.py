@@ -8,6 +8,8 @@ import pytest
 from bozzetto_polyhedron.graph import search
 from bozzetto_polyhedron.graph.draft import Change, Draft
 from bozzetto_polyhedron.graph.live import searched
+from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.readings import MOST_LIFTED_LOOSE, readings
 from tests.plugins.polyhedron.cad_parts import part
 from tests.plugins.polyhedron.figures_graph import scribble
 from tests.plugins.polyhedron.hand import CONDITIONS, strokes_of
@@ -38,6 +40,18 @@ def test_a_scribble_gets_no_more_work_than_it_may(seed: int, priced: list[int]) 
     graph = searched(scribble(seed)).graph
     assert np.isfinite(graph.places).all()
     assert priced[0] < search.MOST_PRICED + LONGEST_REPAIR
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1045, 1195])
+def test_of_a_scribble_no_more_is_lifted_than_may_be(seed: int) -> None:
+    """Without the bound these took eight and ten."""
+    drawing = drawing_of(searched(scribble(seed)).graph)
+    asked: list[float] = []
+    found = readings(drawing, lambda share, step: asked.append(share))
+    assert len(asked) <= MOST_LIFTED_LOOSE
+    assert found
+    assert all(np.isfinite(each.depths).all() for each in found)
 
 
 @pytest.mark.slow

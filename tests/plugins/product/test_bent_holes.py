@@ -7,15 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bozzetto.geometry import Spline
 from bozzetto.plugin import Job
+from bozzetto_product.fill import holed_fill
 from bozzetto_product.fill.guide_chart import GuideChart
 from bozzetto_product.fill.network_fills import guide_of
 from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.loops.picking import loops_at
+from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.network.outlines import outlines_of
+from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.solve.found_patches import found_loops, switched, with_patches_found
 from bozzetto_product.solve.solver import net_of_state
 from tests.plugins.product.holed_bends import cylinder, random_cylinder, random_top
@@ -285,6 +289,35 @@ def test_pressure_leaves_a_face_with_holes_as_it_is_and_that_is_told(pocket):
     assert told["closed"]
     assert [sentence for sentence in told["warnings"] if "has holes" in sentence]
     assert volume_of(pressed) == pytest.approx(volume_of(result), rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "way"), [("a.t1", (0.8, 2.0, 0.0)), ("a.t0", (0.0, 0.0, 2.0))])
+def test_a_curve_of_a_hole_may_be_pulled_off_the_face(name, way):
+    """A corner that turned a little by it gave the face the planes of the wall, and it folded."""
+    made = cylinder(RADIUS, HEIGHT, 2, [("bore", 0, regular(4, (0.0, 25.0), 5.0, 0.785), 5.0, 0.0)])
+    state = product_of_network(made.facts())
+    curve = next(each for each in state.of_kind(Curve) if each.name == name)
+    points = curve.spline.control_points.copy()
+    hump = np.sin(np.linspace(0.0, np.pi, len(points)))
+    spline = Spline(curve.spline.knots, points + hump[:, None] * np.array(way))
+    edited = settled_state(state.with_node(curve), {curve.id: spline})
+    result = ProductModeler().solve(edited, Job())
+    assert len(holed(result)) == 2
+    told = ProductModeler().report(edited, result, Job())
+    assert told["closed"]
+    rims = {e for one in holed(result) for o in outlines_of(result.net, one.loop)[1:] for e, _ in o}
+    names = {result.net.edges[edge].curve for edge in rims}
+    assert curve.id in names
+
+
+def test_a_hole_that_no_cut_frees_leaves_no_surface_and_that_is_told(monkeypatch):
+    monkeypatch.setattr(holed_fill, "parted_region", lambda *_: [])
+    state = product_of_network(body(corners=regular(3, (1.9, 24.0), 6.0, 0.4)).facts())
+    result = ProductModeler().solve(state, Job())
+    assert not holed(result)
+    told = ProductModeler().report(state, result, Job())
+    assert not told["closed"]
+    assert any("no surface" in warning for warning in told["warnings"])
 
 
 def test_a_chart_gives_back_the_places_of_its_surface(pocket):

@@ -10,11 +10,12 @@ import pytest
 from bozzetto.document.model import Document, Model
 from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import UserError
-from bozzetto.ink import Stroke, distances_to_polyline
+from bozzetto.ink import Stroke, close_stroke, distances_to_polyline
 from bozzetto.plugin import Job
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Label
 from bozzetto.view import Camera
+from bozzetto_product.details.outline_places import smoothed
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
@@ -160,3 +161,34 @@ def test_details_are_kept_in_documents_to_the_last_bit():
     one, other = (solved(model.state).detailed.details[0] for model in (made, again))
     assert other.problem == ""
     np.testing.assert_array_equal(one.outlines[0], other.outlines[0])
+
+
+def misses_its_start(seed: int) -> np.ndarray:
+    """A round as a hand closes it: it ends before its start or beyond it, and beside it, px."""
+    rng = np.random.default_rng(seed)
+    count, radius = int(rng.integers(40, 160)), rng.uniform(12.0, 60.0)
+    radii = radius * np.array([1.0, rng.uniform(0.7, 1.4)])
+    turn = rng.uniform(0.0, 6.0) + np.linspace(0.0, 2.0 * np.pi + rng.uniform(-0.05, 0.3), count)
+    drift = np.linspace(0.0, rng.uniform(-2.0, 2.0), count)[:, None]
+    return np.round(
+        (500.0, 400.0) + (radii + drift) * np.column_stack((np.cos(turn), np.sin(turn)))
+    )
+
+
+def test_rounds_that_miss_their_start_a_little_have_no_corner_there():
+    found = [
+        smoothed(np.asarray(close_stroke(misses_its_start(seed))), closed=True)[1].any()
+        for seed in range(30_000, 30_200)
+    ]
+    assert sum(found) <= 8  # 14 of 200 were
+
+
+@pytest.mark.parametrize("seed", range(9_100, 9_112))
+def test_the_tip_of_a_drop_stays_a_corner_where_it_was_begun(seed: int):
+    rng = np.random.default_rng(seed)
+    turn, size = np.linspace(0.0, 2.0 * np.pi, int(rng.integers(50, 200))), rng.uniform(20.0, 240.0)
+    drop = np.column_stack((np.sin(turn / 2.0), 0.35 * np.sin(turn)))
+    points = (500.0, 400.0) + size * drop
+    _, corners = smoothed(np.asarray(close_stroke(points)), closed=True)
+    assert corners.sum() == 1
+    assert corners[0]

@@ -51,6 +51,7 @@ def test_a_box_closes_with_six_surfaces() -> None:
     told = report(box())
     assert told["closed"]
     assert told["joints"] == 8
+    assert told["surfaces"] == len(told["patches"]) == 6
     assert len(told["loops"]) == len(told["patches"]) == 6
     faces = {frozenset(loop) for loop in told["loops"]}
     assert frozenset(("ab", "bf", "ef", "ae")) in faces
@@ -227,6 +228,7 @@ def _broken() -> dict[str, object]:
         "loops of a wrong kind": made(lambda f: network(f, "loops", "ab bc")),
         "crease too large": made(lambda f: network(f, "creases", {"ab": 3})),
         "crease of nobody": made(lambda f: network(f, "creases", {"zz": 1})),
+        "crease of a piece": made(lambda f: network(f, "creases", {"ab/1": 0})),
         "pressure of no surface": made(lambda f: network(f, "pressure", {"ab gh": 1})),
         "pressure without end": made(lambda f: network(f, "pressure", {"ab": float("inf")})),
     }  # fmt: skip

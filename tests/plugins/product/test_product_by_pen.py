@@ -209,6 +209,15 @@ def test_a_product_on_another_model_follows_it(shell: Shell) -> None:
     shell.history.apply("move", shell.document.with_model(replace(kept, placement=moved)))
     after = shell.solve().curves[0].spline.control_points
     assert np.allclose(after - before, (0.0, 0.0, 25.0), atol=1e-3)
+    shell.run("remove-rough")  # the curve stays where it has gone with the other model
+    assert not shell.state.of_kind(FollowedShape)
+    assert shell.model.sources == ()
+    left = shell.solve().curves[0].spline.control_points
+    assert np.allclose(left, after, atol=1e-3)
+    further = source.placement.__class__(offset=(0.0, 0.0, 90.0))
+    kept = shell.document.model(source.id)
+    shell.history.apply("move", shell.document.with_model(replace(kept, placement=further)))
+    assert np.array_equal(shell.solve().curves[0].spline.control_points, left)
 
 
 def test_what_was_guessed_of_a_curve_is_said_until_it_is_drawn_over(shell: Shell) -> None:

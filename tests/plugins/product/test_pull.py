@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Job
+from bozzetto.plugin import Context, Job
 from bozzetto.view import Camera
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.model.patches import Patch
@@ -135,7 +135,7 @@ def test_the_tool_keeps_the_ink_in_the_recipe_and_the_result_follows() -> None:
     assert solved.fill.mesh.vertices[:, 2].max() == pytest.approx(26.0, abs=0.2)
     assert PRODUCT.shapes(after, result).solids[0].exact.is_closed
     (forget,) = (c for c in PRODUCT.commands() if c.id == "forget-pulls")
-    plain = forget.run(after, None)
+    plain = forget.run(after, Context())
     assert not len(plain.node(top.id).pulls)
     assert isinstance(plain.node(top.id), Patch)
 

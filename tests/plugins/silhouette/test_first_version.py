@@ -56,7 +56,7 @@ def test_it_is_saved_as_today_and_opens_again(bench, model, tmp_path):
     again, report = read_document(tmp_path / "again.bozz", bench.registry)
     assert report.warnings == ()
     assert again.models[0].state == model.state
-    assert again.models[0].state_version == 3
+    assert again.models[0].state_version == 4
 
 
 def test_version_two_kept_whether_handles_were_shown():

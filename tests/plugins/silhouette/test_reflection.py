@@ -58,6 +58,20 @@ def test_what_crosses_the_plane_gets_one_and_what_lies_on_it_none() -> None:
     assert_symmetric(crossing, 0)
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("rx", "ry"), [(85.0, 70.0), (30.0, 26.0), (60.0, 150.0), (200.0, 90.0)])
+def test_a_head_that_a_hand_draws_over_the_middle_is_one_part(
+    rx: float, ry: float, seed: int
+) -> None:
+    """Round shapes have few corners in their meshes: their surfaces are compared, not these."""
+    rng = np.random.default_rng(seed)
+    turn = np.radians(np.linspace(90.0, 452.0, 160))  # the ends pass one another a little
+    x = 600.0 + rng.uniform(-0.005, 0.005) * rx + rx * np.cos(turn) + rng.normal(0.0, 0.4, 160)
+    y = 300.0 + ry * np.sin(turn) + rng.normal(0.0, 0.4, 160)
+    state = drawn(Stroke(x, y, PEN.camera))
+    assert [part.name for part in state.parts] == ["Part 1"]
+
+
 def test_a_hole_has_its_image_in_the_same_part_or_in_the_twin() -> None:
     eyes = drawn(BODY, PEN.circle(530, 400, 30))
     assert [outline_of(part).genus for part in eyes.parts] == [2]

@@ -12,6 +12,8 @@ from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.ink.curves.closing import signed_area
 from bozzetto.plugin import Context, Drag, Ink, Tap
+from bozzetto.scene import Scene, Shaded
+from bozzetto.scene.picking import cast_rays
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
 from bozzetto.view.standard_views import standard_view
@@ -155,10 +157,12 @@ def test_the_eraser_takes_the_part_under_it() -> None:
 
 
 @pytest.mark.parametrize(
-    "tool", [one for one in all_tools() if one.id != "paint"], ids=lambda tool: tool.id
+    "tool",
+    [one for one in all_tools() if one.id not in ("paint", "brush")],
+    ids=lambda tool: tool.id,
 )
 def test_the_eraser_does_the_same_with_every_tool(tool) -> None:
-    """But with paint, of which it takes the colour away."""
+    """But with paint, of which it takes the colour away, and with the brush."""
     state = drawn((LEFT,), (RIGHT,))
     over = Ink((PEN.but(tool="eraser").along([(670, 430), (730, 470)]),))
     assert tool.apply(state, over, CONTEXT).parts == state.parts[:1]
@@ -287,6 +291,51 @@ def test_a_scribble_is_refused_at_once_with_few_places() -> None:
     with pytest.raises(UserError, match="crosses itself") as refusal:
         drawn((Stroke(*corners.T, Camera()),))
     assert 1 <= len(refusal.value.places) <= 8
+
+
+def _shaded(scene):
+    return [item for _, item in scene.items() if isinstance(item, Shaded)]
+
+
+def _covers(scene, place) -> bool:
+    """Whether a line of sight through a place of the canvas meets what is previewed."""
+    visible = Scene(
+        tuple(
+            replace(layer, items=tuple(replace(item, pickable=True) for item in layer.items))
+            for layer in scene.layers
+        )
+    )
+    return bool(cast_rays(visible, CONTEXT.camera.rays([place])).hit[0])
+
+
+def test_an_outline_inside_a_shape_is_previewed_as_the_hole_that_it_becomes() -> None:
+    body = drawn((PEN.circle(600, 450, 200),))
+    ink = PEN.circle(600, 450, 60)
+    assert len(drawn((ink,), state=body).parts) == 1  # a hole
+    shown = preview_of(TOOL, body, Ink((ink,)), CONTEXT)
+    assert shown.layers
+    assert not _shaded(shown)  # no shape comes
+    points = np.concatenate([item.points for _, item in shown.items()])
+    assert np.ptp(points[:, 1]) > 20.0  # from where it goes in to where it comes out
+    seen, _ = CONTEXT.camera.project(points)
+    assert np.hypot(*(seen - (600.0, 450.0)).T) == pytest.approx(60.0, rel=0.05)
+    # What stays apart is a shape, as is what lies beside.
+    for state, where in ((replace(body, inner="apart"), 600), (body, 1000)):
+        aside = PEN.circle(where, 450, 60)
+        assert len(drawn((aside,), state=state).parts) == 2
+        assert _shaded(preview_of(TOOL, state, Ink((aside,)), CONTEXT))
+
+
+def test_an_outline_around_a_shape_is_previewed_with_its_hole() -> None:
+    inner = drawn((PEN.circle(600, 450, 60),))
+    around = Ink((PEN.circle(600, 450, 200),))
+    assert len(drawn(around.strokes, state=inner).parts) == 1
+    shown = preview_of(TOOL, inner, around, CONTEXT)
+    assert _covers(shown, (740.0, 450.0))
+    assert not _covers(shown, (600.0, 450.0))
+    assert _covers(preview_of(TOOL, replace(inner, inner="apart"), around, CONTEXT), (600.0, 450.0))
+    beside = Ink((PEN.circle(1000, 450, 100),))
+    assert _covers(preview_of(TOOL, inner, beside, CONTEXT), (1000.0, 450.0))
 
 
 def test_preview_swells_towards_the_hand() -> None:

@@ -71,7 +71,7 @@ def coarseness(frame_time: float) -> float:
     Parameters
     ----------
     frame_time : float
-        What a full frame took, seconds; it is taken to grow with the pixels.
+        What a full frame takes, seconds; it is taken to grow with the pixels.
     """
     least, most = COARSE
     return float(np.clip(np.sqrt(FAST_ENOUGH / max(frame_time, FAST_ENOUGH)), least, most))
@@ -103,6 +103,9 @@ class SoftwareViewport(QWidget):
         self._grid = True
         self._frame = QImage()
         self._frame_time = 0.0
+        # Time of a full frame with one sample a pixel per time of an antialiased one.
+        self._one_sample = 1.0
+        self._share = COARSE[1]
         self._asked = 0
         self._scenes = self._scenes_shown = 0
         self._moved_at = 0.0
@@ -129,6 +132,8 @@ class SoftwareViewport(QWidget):
                 passed, self._moved_at = 1000.0 * (now - self._moved_at), now
                 pace = SLOWER * passed if passed < NEXT else 0.0
                 self._wait_for_rest(max(DRAG_REST, round(pace)))
+                # Who solves the next shape needs the processor more than the picture does.
+                self._share = min(self._share, coarseness(self._frame_time))
             elif self._rest.remainingTime() > REST:
                 self._rest.start(REST)
             self._scene = scene
@@ -212,15 +217,21 @@ class SoftwareViewport(QWidget):
         scale = self.devicePixelRatioF()
         coarse = self._rest.isActive() and self._frame_time > FAST_ENOUGH
         self._asked += 1
-        share = coarseness(self._frame_time) if coarse else 1.0
+        if coarse:  # the resolution does not rise and fall within one motion
+            self._share = min(self._share, coarseness(self._one_sample * self._frame_time))
+        share = self._share if coarse else 1.0
         work = self._work(
             share * scale, antialias=not coarse, number=None if coarse else self._asked
         )
         begun, scenes = perf_counter(), self._scenes
 
         def done(pixels: NDArray[np.uint8]) -> None:
-            if not coarse:
-                self._frame_time = perf_counter() - begun
+            spent = perf_counter() - begun
+            if coarse:
+                found = min(spent / (share**2 * self._frame_time), 1.0)
+                self._one_sample += 0.5 * (found - self._one_sample)
+            else:
+                self._frame_time, self._share = spent, COARSE[1]
                 self._was_overtaken = False
             self._frame, self._scenes_shown = to_image(pixels, 1.0), scenes
             self.update()

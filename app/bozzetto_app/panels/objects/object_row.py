@@ -15,7 +15,7 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPen,
 )
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QSizePolicy, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from bozzetto_app.i18n import tr
 from bozzetto_app.panels.objects.list_widget import ROW
@@ -24,6 +24,7 @@ from bozzetto_app.style.theme import qcolor, set_tone, text_height, tones
 from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch
+from bozzetto_app.widgets.text_field import TextField
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model, Underlay
@@ -60,7 +61,7 @@ class _Name(QLabel):
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignVCenter, words)
 
 
-class _Editor(QLineEdit):
+class _Editor(TextField):
     """Enter takes the name, Esc leaves it as it was."""
 
     given_up = Signal()
@@ -89,6 +90,7 @@ class NamedRow(QWidget):
         self.name.rename.connect(self.edit_name)
         self.editor = _Editor()
         self.editor.setAccessibleName(tr("Objects", "Name"))
+        self.editor.setProperty("inrow", True)
         self.editor.hide()
         self.editor.editingFinished.connect(self._take_name)
         self.editor.given_up.connect(self._stop_editing)

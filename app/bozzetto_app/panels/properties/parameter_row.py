@@ -7,7 +7,7 @@ from typing import Any
 
 from PySide6.QtCore import Signal
 from PySide6.QtGui import QMouseEvent
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from bozzetto.parameters import LONGEST_TEXT, Field
 from bozzetto_app.i18n import tr
@@ -16,6 +16,7 @@ from bozzetto_app.widgets.icon_button import IconButton
 from bozzetto_app.widgets.number_field import NumberField, format_number, is_scale, sensible_step
 from bozzetto_app.widgets.slider import Slider
 from bozzetto_app.widgets.swatch import Swatch, color_name
+from bozzetto_app.widgets.text_field import TextField
 from bozzetto_app.widgets.toggle import Toggle
 
 __all__ = ["ParameterRow"]
@@ -205,7 +206,7 @@ class ParameterRow(QWidget):
         self._show = lambda color: swatch.show_color(color, self.field.parameter.label)
 
     def _make_text(self) -> None:
-        text = QLineEdit()
+        text = TextField()
         text.setAccessibleName(self.field.parameter.label)
         text.setMaxLength(LONGEST_TEXT)
         shown = ""

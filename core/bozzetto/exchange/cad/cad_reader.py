@@ -1,9 +1,10 @@
-"""STEP and IGES, read: bodies as triangles near their exact surfaces, with names and colours.
+"""STEP and IGES, read: curves exactly, and bodies as triangles near their exact surfaces.
 
-Read with Open CASCADE, the extra ``bozzetto[cad]`` (`cadquery-ocp-novtk`). Assemblies are taken
-apart into their bodies, each called like the occurrence that it is of, or like the product where
-occurrences have no names of their own. The edges of faces are cut alike on both sides, so that
-closed bodies stay closed.
+Curves are read by `step_reader` and `iges_reader`. Bodies are read with Open CASCADE, the extra
+``bozzetto[cad]`` (`cadquery-ocp-novtk`); without it those that `step_reader` and `iges_reader`
+know. Assemblies are taken apart into their bodies, each called like the occurrence that it is of,
+or like the product where occurrences have no names of their own. The edges of faces are cut alike
+on both sides, so that closed bodies stay closed.
 """
 
 from __future__ import annotations
@@ -12,21 +13,27 @@ import os
 import re
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from bozzetto.arrays import Array, Index
 from bozzetto.errors import FormatError
+from bozzetto.exchange.cad import iges_reader, step_reader
+from bozzetto.exchange.cad.iges_reader import has_faces
+from bozzetto.exchange.cad.step_reader import FACES
 from bozzetto.exchange.limits import MAX_DEPTH, MAX_FACES, at_most
 from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.mesh.polygons import checked_mesh, without_degenerate
 from bozzetto.exchange.optional_libraries import library
 from bozzetto.exchange.reading import Reading
-from bozzetto.geometry.shapes import Color, FaceGroup, Finish, Shapes, Surface
+from bozzetto.geometry.brep.tessellation import TOLERANCE
+from bozzetto.geometry.meshed_shapes import meshed
+from bozzetto.geometry.shapes import Color, FaceGroup, Finish, Shapes, Solid, Surface
 
 OFF: Final = 5e-4
 """How far triangles may be off their surface, as a share of the size of all."""
@@ -89,7 +96,7 @@ class _Body:
 
 
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
-    """Read the bodies of a STEP or IGES file.
+    """Read the bodies and curves of a STEP or IGES file.
 
     Parameters
     ----------
@@ -101,14 +108,58 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     Raises
     ------
     UserError
-        If Open CASCADE is not installed.
+        If only Open CASCADE knows its faces, and is not installed.
     FormatError
-        If the file is damaged or too large, or holds no faces.
+        If the file is damaged or too large, or holds neither faces nor curves.
     """
     reading = reading or Reading()
     step = data[:4096].lstrip().startswith(b"ISO-10303-21")
     if not step and not _is_iges(data):
         raise FormatError("This is neither a STEP nor an IGES file.")
+    faces = FACES.search(data) is not None if step else has_faces(data)
+    has_kernel = find_spec("OCP") is not None
+    read_exactly = step_reader.read_exactly if step else iges_reader.read_exactly
+    exact = read_exactly(data, bodies=faces and not has_kernel)
+    curves = tuple(exact.curves)
+    surfaces: tuple[Surface, ...] = ()
+    solids: tuple[Solid, ...] = ()
+    lines = 0
+    if has_kernel and (faces or not curves):
+        surfaces, lines = _bodies_of(data, step, reading)
+    elif exact.bodies:
+        made = meshed(Shapes(breps=tuple(exact.bodies)))
+        surfaces, solids = made.surfaces, made.solids
+        _tell_triangles(reading, (*surfaces, *solids), TOLERANCE)
+    left = [f"{count} × {what}" for what, count in sorted(exact.other_curves.items())]
+    if lines and not curves and not left:
+        left = ["a curve" if lines == 1 else f"{lines} curves"]
+    if left:
+        reading.tell(f"Left out: {', '.join(left)}; save curves as B-splines, or as DXF or SVG.")
+    elsewhere = list(dict.fromkeys(OTHER_FILE.findall(data))) if step else []
+    if elsewhere:
+        names = ", ".join(name.decode("latin-1") for name in elsewhere[:NAMED])
+        more = ", …" if len(elsewhere) > NAMED else ""
+        reading.tell(
+            f"Left out: the parts of this assembly that lie in other files ({names}{more}). Open "
+            "those, or save the assembly as one file."
+        )
+    if faces and not has_kernel and (exact.other_bodies or not exact.bodies):
+        if not exact.bodies and not curves:
+            library("OCP", "cad")
+        count = "Some bodies" if exact.bodies else "The bodies"
+        reading.tell(
+            f"Left out: {count.lower()}, whose faces are not all planes or whole B-splines. They "
+            "need a library. Install it into Bozzetto's Python with: pip install 'bozzetto[cad]'"
+        )
+    if not (surfaces or solids or curves):
+        raise FormatError(
+            " ".join(("There are neither faces nor curves in this file.", *reading.left_out))
+        )
+    return Shapes(solids=solids, surfaces=surfaces, curves=curves)
+
+
+def _bodies_of(data: bytes, step: bool, reading: Reading) -> tuple[tuple[Surface, ...], int]:
+    """Return what Open CASCADE makes of a file's bodies, and how many of its edges are loose."""
     kernel = _Kernel()
     document = kernel.opened(data, step=step)
     bodies = list(kernel.bodies(document))
@@ -124,25 +175,23 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
                 found.append(surface)
                 triangles += len(surface.mesh.faces)
                 at_most(triangles, MAX_FACES, "triangles")
-    if lines:
-        what = "a curve" if lines == 1 else f"{lines} curves"
-        reading.tell(f"Left out: {what}; save curves as DXF or SVG to draw with them.")
-    elsewhere = list(dict.fromkeys(OTHER_FILE.findall(data))) if step else []
-    if elsewhere:
-        names = ", ".join(name.decode("latin-1") for name in elsewhere[:NAMED])
-        more = ", …" if len(elsewhere) > NAMED else ""
-        reading.tell(
-            f"Left out: the parts of this assembly that lie in other files ({names}{more}). Open "
-            "those, or save the assembly as one file."
-        )
-    if not found:
-        raise FormatError(" ".join(("There are no faces in this file.", *reading.left_out)))
-    off = f"{OFF * size:.2g} mm"
+    if found:
+        _tell_triangles(reading, found, OFF, size)
+    return tuple(found), lines
+
+
+def _tell_triangles(
+    reading: Reading, parts: Sequence[Surface | Solid], share: float, size: float | None = None
+) -> None:
+    """Say how far triangles are off what they are made of; `size` is that of all parts, mm."""
+    if size is None:
+        boxes = np.array([part.mesh.bounds for part in parts], float)
+        size = float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
+    triangles = sum(len(part.mesh.faces) for part in parts)
     reading.tell(
-        f"Left out: the exact surfaces; their {triangles:,} triangles are at most {off} off. "
-        "Keep the file for CAD."
+        f"Left out: the exact surfaces; their {triangles:,} triangles are at most "
+        f"{share * size:.2g} mm off. Keep the file for CAD."
     )
-    return Shapes(surfaces=tuple(found))
 
 
 def _is_iges(data: bytes) -> bool:

@@ -262,8 +262,12 @@ def _part(
     own = None if colors is None or not colors[used, 3].any() else colors[used]
     if own is not None:
         own[own[:, 3] == 0] = 255
-    mesh = checked_mesh(places[used], corners.reshape(-1, 3).astype(np.int32), colors=own)
     color = groups[0].color if all(one.color == groups[0].color for one in groups) else None
+    painted = any(one.color is not None for one in groups)
+    if painted and own is not None and (own == own[0]).all():  # that of the part, below materials
+        red, green, blue = own[0, :3].tolist()
+        color, own = (red, green, blue), None
+    mesh = checked_mesh(places[used], corners.reshape(-1, 3).astype(np.int32), colors=own)
     plain = len(groups) == 1 and groups[0].finish == "matt"
     return Surface(mesh, name, color, () if plain else tuple(groups))
 

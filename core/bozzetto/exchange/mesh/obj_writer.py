@@ -20,6 +20,7 @@ from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.mesh.gltf_scene import LOOKS
 from bozzetto.exchange.mesh.gltf_texture import picture_file
 from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint, picture_places
+from bozzetto.exchange.mesh.polygon_corners import corner_runs
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.geometry.shapes import Color, FaceGroup, Finish, Shapes, Solid, Surface
 from bozzetto.geometry.texture import Texture
@@ -77,15 +78,15 @@ def write_shapes(
         normals = part.normals or corner_normals(part.mesh)
         pieces.append(_rows("vn %.7g %.7g %.7g\n", normals.vectors))
         corners = [part.mesh.faces + first[0], normals.corners + first[2]]
-        line = "f %d//%d %d//%d %d//%d\n"
+        line = " %d//%d"
         if laid is not None:
             places, which = np.unique(laid.reshape(-1, 2), axis=0, return_inverse=True)
             pieces.append(_rows("vt %.7g %.7g\n", places * (1.0, -1.0) + (0.0, 1.0)))
             corners.insert(1, which.reshape(-1, 3) + first[1])
-            line = "f %d/%d/%d %d/%d/%d %d/%d/%d\n"
+            line = " %d/%d/%d"
             first[1] += len(places)
-        rows = np.stack(corners, axis=2).reshape(len(part.mesh.faces), -1)
-        pieces += _faces(part, rows, line, materials if beside else None)
+        rows = np.stack(corners, axis=2).reshape(3 * len(part.mesh.faces), -1)
+        pieces += _faces(part, rows, line, laid, materials if beside else None)
         first += (len(part.mesh.vertices), 0, len(normals.vectors))
     return "".join(pieces).encode()
 
@@ -138,15 +139,21 @@ def _rows(line: str, rows: Array | Floats | Index) -> str:
 
 
 def _faces(
-    part: Solid | Surface, rows: Index, line: str, materials: Iterator[_Material] | None
+    part: Solid | Surface,
+    corners: Index,
+    line: str,
+    laid: Floats | None,
+    materials: Iterator[_Material] | None,
 ) -> Iterator[str]:
+    """Yield the faces of each group; `line` writes one of the corners (3 f, k)."""
     begin = 0
-    for group in part.groups or (FaceGroup("", len(rows)),):
+    for group in part.groups or (FaceGroup("", len(part.mesh.faces)),):
         if group.name:
             yield f"g {_word(group.name)}\n"
         if materials is not None:
             yield f"usemtl {next(materials).name}\n"
-        yield _rows(line, rows[begin : begin + group.count])
+        for run in corner_runs(part, begin, begin + group.count, laid):
+            yield _rows(f"f{line * run.shape[1]}\n", corners[run].reshape(len(run), -1))
         begin += group.count
 
 

@@ -14,6 +14,7 @@ from bozzetto.exchange.color import vertex_colors
 from bozzetto.exchange.handover import MILLIMETRES, FileFrame
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.ply_faces import Columns, ply_shapes
+from bozzetto.exchange.mesh.polygon_corners import corner_runs
 from bozzetto.exchange.mesh.text_words import check_words
 from bozzetto.exchange.reading import Reading
 from bozzetto.geometry.shapes import Shapes
@@ -56,18 +57,21 @@ def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
     colored = any(colors is not None for colors in palettes)
     fields: list[Any] = [("place", "<f4", 3)] + ([("color", "u1", 4)] if colored else [])
     rows = np.zeros(sum(len(part.mesh.vertices) for part in parts), fields)
-    faces = np.zeros(
-        sum(len(part.mesh.faces) for part in parts), [("size", "u1"), ("corners", "<i4", 3)]
-    )
-    faces["size"] = 3
-    at = face_at = 0
+    faces: list[bytes] = []
+    at = face_count = 0
     for part, colors in zip(parts, palettes, strict=True):
-        count, face_count = len(part.mesh.vertices), len(part.mesh.faces)
+        count = len(part.mesh.vertices)
         rows["place"][at : at + count] = part.mesh.vertices
         if colored:
             rows["color"][at : at + count] = 255 if colors is None else colors
-        faces["corners"][face_at : face_at + face_count] = part.mesh.faces + at
-        at, face_at = at + count, face_at + face_count
+        for corners in corner_runs(part, 0, len(part.mesh.faces)):
+            size = corners.shape[1]
+            run = np.zeros(len(corners), [("size", "u1"), ("corners", "<i4", size)])
+            run["size"] = size
+            run["corners"] = part.mesh.faces.ravel()[corners] + at
+            faces.append(run.tobytes())
+            face_count += len(run)
+        at += count
     header = [
         "ply",
         "format binary_little_endian 1.0",
@@ -75,11 +79,11 @@ def write_shapes(shapes: Shapes, frame: FileFrame = MILLIMETRES) -> bytes:
         f"element vertex {len(rows)}",
         *(f"property float {axis}" for axis in "xyz"),
         *(f"property uchar {name}" for name in ("red", "green", "blue", "alpha") if colored),
-        f"element face {len(faces)}",
+        f"element face {face_count}",
         "property list uchar int vertex_indices",
         "end_header\n",
     ]
-    return "\n".join(header).encode() + rows.tobytes() + faces.tobytes()
+    return "\n".join(header).encode() + rows.tobytes() + b"".join(faces)
 
 
 # -- reading -------------------------------------------------------------------------------

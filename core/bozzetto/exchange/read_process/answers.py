@@ -21,7 +21,7 @@ from bozzetto.exchange.ink.ink_steps import VERBS
 from bozzetto.exchange.reading import MeshFile
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.rig import Clip, Rig, Skin
-from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
+from bozzetto.geometry.shapes import Curve, FaceGroup, Shapes, Solid, Surface
 from bozzetto.geometry.texture import Texture
 from bozzetto.images.stored_picture import Picture
 from bozzetto.ink.drawing import Drawing
@@ -80,8 +80,19 @@ class _Part(msgspec.Struct, array_like=True):
     path: list[int]
 
 
+class _Curve(msgspec.Struct, array_like=True):
+    degree: int
+    knots: int
+    points: int
+    weights: int | None
+    closed: bool
+    name: str
+    color: Color | None
+
+
 class _Meshes(msgspec.Struct, tag=True):
     parts: list[_Part]
+    curves: list[_Curve]
     rigs: list[_Rig]
     names: list[str]
     guess: FrameGuess | None
@@ -207,7 +218,19 @@ def _meshes_record(file: MeshFile) -> tuple[_Record, Arrays]:
         )
         for part in file.shapes.meshes()
     ]
-    record = _Meshes(parts, shelf.rigs, list(shelf.names), file.guess, file.left_out)
+    curves = [
+        _Curve(
+            curve.degree,
+            shelf.put(curve.knots),
+            shelf.put(curve.control_points),
+            shelf.perhaps(curve.weights),
+            curve.closed,
+            curve.name,
+            curve.color,
+        )
+        for curve in file.shapes.curves
+    ]
+    record = _Meshes(parts, curves, shelf.rigs, list(shelf.names), file.guess, file.left_out)
     return record, shelf.arrays
 
 
@@ -299,7 +322,19 @@ def _shapes_of(told: _Meshes, arrays: Sequence[NDArray[Any]]) -> Shapes:
             solids.append(made)
         else:
             surfaces.append(made)
-    return Shapes(tuple(solids), tuple(surfaces))
+    curves = tuple(
+        Curve(
+            curve.degree,
+            arrays[curve.knots],
+            arrays[curve.points],
+            perhaps(curve.weights),
+            curve.closed,
+            curve.name,
+            curve.color,
+        )
+        for curve in told.curves
+    )
+    return Shapes(tuple(solids), tuple(surfaces), curves)
 
 
 def _drawing_of(told: _Drawing, arrays: Sequence[NDArray[Any]]) -> Drawing:

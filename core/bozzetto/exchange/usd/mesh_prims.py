@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import Array, Floats
+from bozzetto.arrays import Array, Floats, Index
 from bozzetto.exchange.color import WHITE, srgb_to_linear
 from bozzetto.exchange.mesh.face_groups import proper_groups
 from bozzetto.exchange.mesh.picture_places import Places
+from bozzetto.exchange.mesh.polygon_corners import corner_runs
 from bozzetto.exchange.mesh.polygons import is_degenerate
 from bozzetto.exchange.usd.looks import Looks, linear
 from bozzetto.exchange.usd.prims import DIRECTIONS, PLACES, Names, Prim, numbers, quoted, tuples
@@ -46,34 +48,55 @@ def mesh_prim(name: str, part: Solid | Surface, looks: Looks, laid: Places | Non
     made.put("uniform token subdivisionScheme", quoted("none"))
     box = np.array([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
     made.put("float3[] extent", tuples(box, PLACES))
-    made.put("int[] faceVertexCounts", numbers(np.full(len(faces), 3)))
-    made.put("int[] faceVertexIndices", numbers(faces.ravel()))
-    made.put("point3f[] points", tuples(mesh.vertices, PLACES))
-    _put_normals(made, part, mesh, proper)
     corners = laid if part.texture is None else part.texture.corners[proper]
+    groups = proper_groups(part) or (FaceGroup(part.name, len(faces)),)
+    ends = np.cumsum([0, *(group.count for group in groups)]).tolist()
+    runs = [list(corner_runs(part, begin, end, corners)) for begin, end in pairwise(ends)]
+    every = [run for own in runs for run in own]
+    none = np.zeros(0, np.intp)
+    flat = np.concatenate([none, *(run.ravel() for run in every)])
+    sizes = np.concatenate([none, *(np.full(len(run), run.shape[1]) for run in every)])
+    made.put("int[] faceVertexCounts", numbers(sizes))
+    made.put("int[] faceVertexIndices", numbers(faces.ravel()[flat]))
+    made.put("point3f[] points", tuples(mesh.vertices, PLACES))
+    _put_normals(made, part, mesh, proper, flat)
     if corners is not None:
-        rows = corners.reshape(-1, 2) * (1.0, -1.0) + (0.0, 1.0)
+        rows = corners.reshape(-1, 2)[flat] * (1.0, -1.0) + (0.0, 1.0)
         made.put("texCoord2f[] primvars:st", _interpolated(tuples(rows, "%.7g"), "faceVarying"))
     _put_colors(made, part)
-    groups = proper_groups(part) or (FaceGroup(part.name, len(faces)),)
     if len(groups) == 1:
         made.lines.append(f"rel material:binding = <{looks.bound_to(part, groups[0])}>")
         return made
     made.put("uniform token subsetFamily:materialBind:familyType", quoted("partition"))
     names, begin = Names(), 0
-    for group in groups:
+    for group, own in zip(groups, runs, strict=True):
+        count = sum(map(len, own))
         subset = Prim("GeomSubset", names.new(group.name, "group"), group.name, (BINDING,))
         subset.put("uniform token elementType", quoted("face"))
         subset.put("uniform token familyName", quoted("materialBind"))
-        subset.put("int[] indices", numbers(np.arange(begin, begin + group.count)))
+        subset.put("int[] indices", numbers(np.arange(begin, begin + count)))
         subset.lines.append(f"rel material:binding = <{looks.bound_to(part, group)}>")
         made.children.append(subset)
-        begin += group.count
+        begin += count
     return made
 
 
-def _put_normals(made: Prim, part: Solid | Surface, mesh: Mesh, proper: NDArray[np.bool_]) -> None:
-    """Add normals: of vertices where bones bend them or nothing has an edge, else of corners."""
+def _put_normals(
+    made: Prim, part: Solid | Surface, mesh: Mesh, proper: NDArray[np.bool_], flat: Index
+) -> None:
+    """Add normals: of vertices where bones bend them or nothing has an edge, else of corners.
+
+    Parameters
+    ----------
+    made : Prim
+        They are put there.
+    part, mesh
+        The mesh is at rest.
+    proper : (f,) bool
+        Triangles that are written.
+    flat : (k,) int
+        Corners of these, in the order of the file.
+    """
     if part.skin is not None:
         vectors, interpolation = mesh.vertex_normals(), "vertex"
     else:
@@ -81,7 +104,7 @@ def _put_normals(made: Prim, part: Solid | Surface, mesh: Mesh, proper: NDArray[
         vectors, interpolation = known.vectors, "vertex"
         whole = len(vectors) == len(mesh.vertices)
         if not whole or not np.array_equal(known.corners, mesh.faces[proper]):
-            vectors, interpolation = vectors[known.corners.ravel()], "faceVarying"
+            vectors, interpolation = vectors[known.corners.ravel()[flat]], "faceVarying"
     rows = tuples(_unit(vectors), DIRECTIONS)
     made.put("normal3f[] normals", _interpolated(rows, interpolation))
 

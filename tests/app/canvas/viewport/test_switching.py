@@ -402,6 +402,44 @@ def test_slow_frames_are_coarse_while_the_view_turns_and_sharp_at_rest(
     assert viewport.shown().width() == SIZE[0]
 
 
+def test_frames_in_motion_are_as_fine_as_they_turn_out_to_be_fast(qtbot, monkeypatch, box_scene):
+    """A frame with one sample a pixel takes a third of a sharp one, which is known after a motion.
+    Within a motion no frame is finer than the one before."""
+    viewport = shown_software(qtbot)
+    clock, shown = 100.0, []
+
+    def drawn(scene, camera, palette, *, size, scale, shading, antialias, checkpoint):
+        nonlocal clock
+        clock += 0.4 if antialias else 0.13 * scale**2
+        shown.append(scale)
+        width, height = (round(side * scale) for side in size)
+        return np.full((height, width, 4), 255, np.uint8)
+
+    monkeypatch.setattr("bozzetto.scene.renderer.render", drawn)
+    monkeypatch.setattr(software, "perf_counter", lambda: clock)
+    monkeypatch.setattr(software, "REST", 600)
+    viewport.set_scene(box_scene)
+    qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
+    motions = []
+    for motion in range(4):
+        shown.clear()
+        for angle in range(6):
+            count = len(shown)
+            eye = (30.0 * angle + motion, -500.0, 100.0)
+            viewport.set_camera(Camera(eye=eye, viewport=SIZE))
+            qtbot.waitUntil(lambda count=count: len(shown) > count, timeout=5000)
+        motions.append(shown[:6])
+        qtbot.waitUntil(lambda: not viewport.is_waiting, timeout=9000)
+        assert viewport.shown().width() == SIZE[0]
+        assert motions[-1] == sorted(motions[-1], reverse=True)
+    assert motions[0][0] == pytest.approx(software.coarseness(0.4))
+    assert motions[-1][0] == pytest.approx(software.coarseness(0.13), rel=0.01)
+    shown.clear()
+    viewport.set_scene(Scene(box_scene.layers), moving=True)
+    qtbot.waitUntil(lambda: bool(shown), timeout=5000)
+    assert shown[0] == pytest.approx(motions[0][0]), "who solves the next shape comes first"
+
+
 def rest_of(viewport):
     """The timer at whose end a coarse frame is made sharp."""
     (rest,) = (timer for timer in viewport.findChildren(QTimer) if timer.interval() == REST)

@@ -8,6 +8,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import grid
 from bozzetto.plugin import Context, Ink
 from bozzetto_car.body import build as body_module
@@ -396,3 +397,68 @@ def test_what_was_traced_on_a_sketch_stays_on_it_while_a_mark_is_dragged(
     frame, standing = (float(np.sqrt((gap**2).mean())) for gap in gaps)
     assert frame <= 1.0
     assert frame < 0.5 * standing
+
+
+def handles_per_chord(body: Body) -> np.ndarray:
+    points = body.network.control_points
+    legs = np.linalg.norm(points[:, [1, 2]] - points[:, [0, 3]], axis=2).max(axis=1)
+    return np.asarray(legs / np.linalg.norm(points[:, 3] - points[:, 0], axis=1))
+
+
+def in_space(seed: int, name: str, state: CarState) -> CarState:
+    """A car with six edges traced in views beside its sketch."""
+    rng = np.random.default_rng(seed)
+    own = [edge for edge in bundled(name).edge_names if ".L" not in edge]
+    while len(state.edits) < 6:
+        camera = view(rng.uniform(20.0, 160.0), rng.uniform(3.0, 25.0))
+        edge = another(body_of(state), own[rng.integers(len(own))], int(rng.integers(1 << 30)))
+        try:
+            state = TraceEdges().apply(state, Ink((pen(camera, edge),)), Context())
+        except UserError:  # it is seen end-on from there
+            continue
+    return state
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("drawn", ["as it is", "kept", "stretched"])
+@pytest.mark.parametrize(
+    ("seed", "name"), [(8_200, "sedan"), (8_201, "van"), (8_202, "city_car"), (8_203, "minivan")]
+)
+def test_what_was_drawn_in_space_goes_along_with_a_kept_length(
+    seed: int, name: str, drawn: str
+) -> None:
+    """Strokes stayed in space while the car got another length: they went round in loops of metres,
+    and a millionth of a pixel moved the body by up to 70 cm."""
+    state = marked(seed, name)
+    length = body_of(state).dimensions.length
+    assert length is not None
+    if drawn != "as it is":
+        state = replace(state, lock=drawn == "kept", length=0.97 * length)
+    state = in_space(seed, name, state)
+    before = handles_per_chord(body_of(state)).max()
+    node = state.sketches[0].marks[2].node
+    for share, lock in ((0.9, True), (0.95, True), (1.05, True), (1.1, True), (0.95, False)):
+        kept = replace(state, lock=lock, length=share * length)
+        body = body_of(kept)
+        assert not body.troubles
+        assert handles_per_chord(body).max() < 1.2 * before
+        nudged = body_of(with_mark_moved(kept, node, (1e-6, 0.0)))
+        off = np.abs(nudged.network.control_points - body.network.control_points)
+        assert off.max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["sedan", "suv"])
+def test_kept_the_dimensions_that_it_has_a_car_keeps_what_was_drawn_in_space(name: str) -> None:
+    state = in_space(8_300, name, marked(8_300, name))
+    free = body_of(state)
+    bare = replace(state, edits=())
+    kept = replace(bare, lock=True, length=body_of(bare).dimensions.length)
+    node = MovedNode(node="C3", by=(0.0, 0.0, 40.0))
+    moved, still = body_of(replace(kept, edits=(node,))), body_of(kept)
+    at = free.template.node["C3"]
+    assert moved.network.positions[at, 2] - still.network.positions[at, 2] == pytest.approx(
+        40.0, rel=0.02
+    )
+    same = body_of(replace(kept, edits=state.edits))
+    off = np.linalg.norm(same.network.tangents - free.network.tangents, axis=2)
+    assert np.median(off) < 10.0

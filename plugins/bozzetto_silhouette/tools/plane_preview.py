@@ -1,4 +1,4 @@
-"""Landing: the plane on which a part will lie, and where its first point meets a shape."""
+"""The plane on which a part will lie, and where its first point meets a shape."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DOT = 9.0
 """Size of the dot, px."""
 
 
-def landing_scene(x: float, y: float, camera: Camera, context: Context) -> Scene:
+def plane_scene(x: float, y: float, camera: Camera, context: Context) -> Scene:
     """Show where an outline that begins at a place of the canvas will lie.
 
     A dot where its first point comes to lie, filled where that is on a shape; around it a square

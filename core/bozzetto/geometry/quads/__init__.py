@@ -1,0 +1,1 @@
+"""Meshes of quads laid over surfaces of triangles."""
