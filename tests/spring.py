@@ -32,12 +32,16 @@ order = 97
 
 @dataclass(frozen=True)
 class Balls:
-    """A ball on a spring about the origin, in the plane y = 0; mm, mm/s, seconds."""
+    """A ball on a spring about the origin, in the plane y = 0; mm, mm/s, seconds.
+
+    What is recorded are rows of the time and the place.
+    """
 
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)
     speed: tuple[float, float, float] = (0.0, 0.0, 0.0)
     clock: float = 0.0
     steps: int = 0
+    kept: tuple[tuple[float, float, float, float], ...] = ()
     stiffness: Annotated[float, Parameter("Stiffness", 0.0, 500.0)] = 40.0
 
 
@@ -71,31 +75,50 @@ class Pull(Tool[Balls]):
             place = held.camera.on_plane(held.path.points[-1:], (0, 0, 0), (0, 1, 0))[0]
             if not np.isfinite(place).all():
                 raise UserError("There is no place. Pull elsewhere.")
-            return replace(state, place=tuple(map(float, place)), clock=clock, steps=count)
+            state = replace(state, place=tuple(map(float, place)), clock=clock, steps=count)
+            return self.owner.recording(state)
         place, speed = np.array(state.place), np.array(state.speed)
         speed = speed - seconds * state.stiffness * place
         place = place + seconds * speed
-        return replace(
+        state = replace(
             state,
             place=tuple(map(float, place)),
             speed=tuple(map(float, speed)),
             clock=clock,
             steps=count,
         )
+        return self.owner.recording(state)
 
 
 class Springs(Modeler[Balls, None]):
-    """`takes` is how long a step lasts, s; `seen` what each step was told was held."""
+    """`takes` is how long a step lasts, s; `seen` what each step was told was held.
+
+    `records` says whether steps are recorded.
+    """
 
     id, state_type = MODELER, Balls
 
     def __init__(self) -> None:
         self.takes = 0.0
         self.seen = []
+        self.records = False
         self.misdeed = lambda state: None
 
     def tools(self):
         return Draw(), Pull(self)
+
+    def recording(self, state):
+        if not self.records:
+            return state
+        return replace(state, kept=(*state.kept, (state.clock, *state.place)))
+
+    def recorded(self, state):
+        return [row[0] for row in state.kept]
+
+    def replayed(self, state, seconds):
+        rows = np.array(state.kept)
+        place = (float(np.interp(seconds, rows[:, 0], column)) for column in rows[:, 1:].T)
+        return replace(state, place=tuple(place))
 
     def solve(self, state, job):
         return None

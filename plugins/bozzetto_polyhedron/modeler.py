@@ -40,6 +40,7 @@ from bozzetto_polyhedron.model.state import (
 from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
 from bozzetto_polyhedron.solve.followed import Sources, bodies_of
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.solve.recording import at_time, recorded_times, recorded_until
 from bozzetto_polyhedron.tools.listing import all_tools
 from bozzetto_polyhedron.view.drawn_views import advice_before, advice_on_drawings
 from bozzetto_polyhedron.view.scene import scene_of
@@ -172,6 +173,16 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     def shapes(self, state: PolyhedronState, result: PolyhedronResult) -> Shapes:
         """Return every body that is shown: its exact planes, or its triangles where it is sheet."""
         return shapes_of(state, result.bodies, result.sources)
+
+    @override
+    def recorded(self, state: PolyhedronState) -> Sequence[float]:
+        """Return when poses were recorded since everything was at rest."""
+        return recorded_times(state)
+
+    @override
+    def replayed(self, state: PolyhedronState, seconds: float) -> PolyhedronState:
+        """Return the state in the pose of a time, with the traces that were drawn until then."""
+        return recorded_until(at_time(state, seconds), seconds)
 
     @override
     def curves(self, state: PolyhedronState, result: PolyhedronResult) -> Sequence[Curve]:

@@ -23,8 +23,9 @@ from bozzetto_polyhedron.solid.triangulation import genus_of
 from bozzetto_polyhedron.solve.bars import OF_BARS
 from bozzetto_polyhedron.solve.followed import Sources, followed_bodies
 from bozzetto_polyhedron.solve.forces import forces_of
-from bozzetto_polyhedron.solve.moving import MOST_POSES, NOTHING, is_mechanism, moving
+from bozzetto_polyhedron.solve.moving import NOTHING, is_mechanism, moving
 from bozzetto_polyhedron.solve.pipeline import Solved
+from bozzetto_polyhedron.solve.recording import MOST_POSES
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "closed": Figure("Closed", "Whether the faces bound a volume", good=True, bad=False),
@@ -102,7 +103,9 @@ def cautions_of(
         for name in gone
     ]
     if state.recorded is not None and len(state.recorded.seconds) >= MOST_POSES:
-        cautions.append(Caution("The recording is full. Choose “Back to rest” to begin a new one."))
+        cautions.append(
+            Caution("The recording is full. Choose “Forget the recording” to begin a new one.")
+        )
     return (*cautions, *_cautions_of_forces(state, sources))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from PySide6.QtGui import QGuiApplication
 
 from bozzetto.atomic_files import Over
 from bozzetto.errors import UserError
+from bozzetto_app.dialogs.film_dialog import FilmDialog
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
@@ -292,16 +294,21 @@ class FileQuestions:
         from bozzetto.workbench.films import ENDINGS
 
         animation, moving = tr("Files", "Animation"), tr("Files", "Moving picture")
-        kinds = f"{animation} (*.glb);;{animation} (*.usdz);;{moving} (*.gif)"
-        path, is_asked = self._place(tr("Files", "Film of what moves"), kinds, "")
+        kinds = f"{animation} (*.glb);;{animation} (*.usdz);;{moving} (*.gif);;{moving} (*.mp4)"
+        title = tr("Files", "Film of what moves")
+        path, is_asked = self._place(title, kinds, "")
         if path is None or not (is_asked or self._may_replace(path)):
             return
         if path.suffix.lower() not in ENDINGS:
-            said = tr("Files", "A film is a .glb, a .usdz or a .gif. Choose one of these endings.")
+            said = tr("Files", "A film is a .glb, .usdz, .gif or .mp4. Choose one of these.")
             self._session.notices.complain(UserError(said))
             return
         films = self._session.files.exchange.films
-        self._ask_seconds("film", tr("Files", "Film of what moves"), path, films.make)
+        recorded = films.recorded
+        if recorded > 0.0:
+            FilmDialog(title, recorded, partial(films.make, path), self._window).open()
+        else:
+            self._ask_seconds("film", title, path, films.make)
 
     def ask_turntable(self) -> None:
         """Ask for a file and for how long, and make a turntable."""

@@ -276,15 +276,17 @@ class Exchange(QObject):
             from bozzetto.exchange.export import Ready
             from bozzetto.exchange.handover import AS_USUAL
             from bozzetto.workbench.export_document import object_shapes, prepared_files
+            from bozzetto.workbench.films import with_recording
 
             objects = known or self._kept_shapes(document, names)
             if objects is None:
                 objects = object_shapes(bench, models, job)
+            objects = with_recording(bench, document, objects, names, paths, job)
             job.checkpoint(1.0, ", ".join(path.name for path in paths))
             if keep:
                 self._looked_at = document, names, objects
             asked = handover or AS_USUAL
-            ready = Ready(objects.shapes, asked, job.checkpoint)
+            ready = Ready(objects.shapes, asked, job.checkpoint, objects.recording)
             made = prepared_files(objects, paths, camera, whole=False, handover=asked, ready=ready)
             return objects, made, ready
 

@@ -32,7 +32,7 @@ TURN_SIZE: Final = (640, 480)
 """Of its pictures, px."""
 
 TALLEST: Final = 480
-"""Height of a GIF, px: larger ones are slow to open everywhere."""
+"""Height of the pictures of a film, px: larger GIFs are slow to open everywhere."""
 
 
 class Films(QObject):
@@ -51,15 +51,23 @@ class Films(QObject):
         self._workbench, self._drawing = workbench, drawing
         self._view, self._notices = view, notices
 
-    def make(self, path: Path, seconds: float) -> None:
-        """Write a film of the next seconds, with the view as it is now.
+    @property
+    def recorded(self) -> float:
+        """How long the motion is that was recorded in the document, s; 0 where there is none."""
+        from bozzetto.workbench.films import recorded_times, recordings
+
+        known = recordings(self._workbench, self._drawing.document)
+        return recorded_times(known)[-1] if known else 0.0
+
+    def make(self, path: Path, seconds: float | None) -> None:
+        """Write a film of the next seconds, or of what was recorded, with the view as it is now.
 
         Parameters
         ----------
         path : Path
-            Its ending, .glb, .usdz or .gif, says what is written.
-        seconds : float
-            How long it is.
+            Its ending, .glb, .usdz, .gif or .mp4, says what is written.
+        seconds : float, optional
+            How long it is; by default it shows what was recorded.
         """
         bench, document = self._workbench, self._drawing.document
         camera = self._view.camera
@@ -70,14 +78,28 @@ class Films(QObject):
 
         def work(job: Job) -> None:
             from bozzetto.atomic_files import write_bytes
-            from bozzetto.workbench.films import animation_of, frames, gif_of
+            from bozzetto.workbench import films
 
-            films = frames(bench, document, seconds, RATE, job)
             ending = path.suffix.lower()
-            if ending == ".gif":
-                data = gif_of(bench, films, RATE, size, lambda scene, document: seen)
+            is_animation = ending in films.ANIMATIONS
+            if seconds is None:
+                known = films.recordings(bench, document)
+                times = films.recorded_times(known, None if is_animation else RATE)
+                rows = films.replayed(bench, document, known, times, job)
             else:
-                data = animation_of(bench, films, RATE, ending)
+                times = films.frame_times(seconds, RATE)
+                rows = films.frames(bench, document, seconds, RATE, job)
+            if is_animation:
+                data = films.animation_of(bench, rows, times, ending)
+            else:
+                data = films.picture_film_of(
+                    bench,
+                    rows,
+                    films.pace_of(times, RATE),
+                    size,
+                    lambda scene, document: seen,
+                    ending,
+                )
             write_bytes(path, data)
 
         def done(_: None) -> None:

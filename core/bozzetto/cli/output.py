@@ -194,6 +194,7 @@ def write_outputs(
     from bozzetto.exchange.handover import AS_USUAL
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.export_document import chosen_models, object_shapes, prepared_files
+    from bozzetto.workbench.films import with_recording
 
     models, hidden = chosen_models(document, names)
     wanted = AS_USUAL if handover is None else handover
@@ -212,6 +213,7 @@ def write_outputs(
     baseless = objects.warnings(baseless_only=True)
     if refuse_baseless and baseless:
         raise UserError(f"{' '.join(baseless)} {ASK_FOR_IT}")
+    objects = with_recording(bench, document, objects, names, targets, Job())
     made = prepared_files(objects, targets, document.camera, view=view, handover=wanted)
     for target, file in zip(targets, made, strict=True):
         make_folder(target)

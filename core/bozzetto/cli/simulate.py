@@ -1,10 +1,10 @@
-"""``bozzetto simulate``: lets a document's mechanisms go for a while, and writes what they do."""
+"""``bozzetto simulate``: films of a document's mechanisms, let go or as they were moved."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from bozzetto.cli.output import (
     check_ending,
@@ -16,24 +16,29 @@ from bozzetto.cli.output import (
     workbench,
     write_output,
 )
+from bozzetto.errors import UserError
+
+RATE: Final = 25.0
+"""Frames a second."""
 
 
 def simulate(options: argparse.Namespace) -> int:
-    """Move what moves by itself; the exit code."""
+    """Move what moves by itself, or as it was recorded; the exit code."""
     from bozzetto.atomic_files import write_bytes
-    from bozzetto.workbench.films import ENDINGS, animation_of, frames
+    from bozzetto.workbench.films import ANIMATIONS, ENDINGS, animation_of, pace_of
 
     refuse_overwriting([options.document], [options.output], None)
     check_ending(options.output, ENDINGS)
     ending = options.output.suffix.lower()
     bench = workbench()
     document = open_document(bench, options.document)
-    films = frames(bench, document, options.seconds, options.rate)
+    films, seconds = _films(bench, document, options, ending)
+    rate = pace_of(seconds, RATE if options.rate is None else options.rate)
     if ending in ENDINGS:
-        if ending == ".gif":
-            data = _gif(bench, films, options)
+        if ending in ANIMATIONS:
+            data = animation_of(bench, films, seconds, ending, options.object, warn)
         else:
-            data = animation_of(bench, films, options.rate, ending, options.object, warn)
+            data = _pictures(bench, films, options, rate)
         make_folder(options.output)
         write_bytes(options.output, data)
     else:
@@ -43,15 +48,32 @@ def simulate(options: argparse.Namespace) -> int:
     return 0
 
 
-def _gif(bench: Any, films: Any, options: argparse.Namespace) -> bytes:
-    from bozzetto.scene.snapshot import framed
-    from bozzetto.workbench.films import gif_of
+def _films(bench: Any, document: Any, options: argparse.Namespace, ending: str) -> Any:
+    """Return the documents of a film, and their times."""
+    from bozzetto.workbench import films
 
-    size = picture_size(options.size)
+    rate = RATE if options.rate is None else options.rate
+    if not options.recorded:
+        seconds = films.frames(bench, document, options.seconds, rate)
+        return seconds, films.frame_times(options.seconds, rate)
+    if ending not in films.ENDINGS:
+        raise UserError(
+            "What was recorded leaves as a film: .glb, .usdz, .gif or .mp4. Choose one of these."
+        )
+    kept = films.recordings(bench, document)
+    times = films.recorded_times(kept, options.rate if ending in films.ANIMATIONS else rate)
+    return films.replayed(bench, document, kept, times), times
+
+
+def _pictures(bench: Any, films: Any, options: argparse.Namespace, rate: float) -> bytes:
+    from bozzetto.scene.snapshot import framed
+    from bozzetto.workbench.films import picture_film_of
+
+    size, ending = picture_size(options.size), options.output.suffix.lower()
     if options.view is None:
-        return gif_of(bench, films, options.rate, size)
-    return gif_of(
-        bench, films, options.rate, size, lambda scene, _: framed(scene, options.view, size)
+        return picture_film_of(bench, films, rate, size, ending=ending)
+    return picture_film_of(
+        bench, films, rate, size, lambda scene, _: framed(scene, options.view, size), ending
     )
 
 
@@ -64,11 +86,19 @@ def add_simulate(commands: Any) -> None:
         "--output",
         type=Path,
         required=True,
-        help="a film: .glb or .usdz (animations), .gif; or as it is in the end: .bozz, .step …",
+        help="a film: .glb or .usdz (animations), .gif, .mp4; or as it is in the end: .bozz, …",
     )
-    command.add_argument("--seconds", type=float, default=4.0)
-    command.add_argument("--rate", type=float, default=25.0, help="frames a second; default 25")
+    kind = command.add_mutually_exclusive_group()
+    kind.add_argument("--seconds", type=float, default=4.0, help="how long it goes on; default 4")
+    kind.add_argument(
+        "--recorded", action="store_true", help="a film of what was recorded, as by the pen"
+    )
+    command.add_argument(
+        "--rate",
+        type=float,
+        help="frames a second; default 25, in animations of a recording all that was recorded",
+    )
     command.add_argument("--object", action="append", metavar="NAME", help="only these objects")
-    command.add_argument("--view", metavar="NAME", help="of a GIF: front, right, top …")
-    command.add_argument("--size", default="600x450", metavar="WxH", help="of a GIF, pixels")
+    command.add_argument("--view", metavar="NAME", help="of pictures: front, right, top …")
+    command.add_argument("--size", default="600x450", metavar="WxH", help="of pictures, pixels")
     command.set_defaults(run=simulate)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -29,6 +30,7 @@ from bozzetto.exchange.left_out import LeftOut, parts_left_out, pictures_left_ou
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.exchange.mesh.one_picture import MOST, in_one_picture
 from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
+from bozzetto.exchange.mesh.polygons import without_degenerate
 from bozzetto.exchange.separate_parts import separate_parts
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry.meshed_shapes import meshed
@@ -219,6 +221,23 @@ def prepare_export(
 
 
 @dataclass(frozen=True, eq=False)
+class Recording:
+    """How parts moved before they were where they are now.
+
+    Parameters
+    ----------
+    motions : sequence of sequence of Placement
+        For each mesh of the shapes as triangles (`meshed`) where it was at each time, as seen from
+        where it is now.
+    seconds : sequence of float
+        These times, growing.
+    """
+
+    motions: Sequence[Sequence[Placement]]
+    seconds: Sequence[float]
+
+
+@dataclass(frozen=True, eq=False)
 class Ready:
     """Shapes as a person wants to hand them over, for files of any format.
 
@@ -233,21 +252,50 @@ class Ready:
     checkpoint : callable
         Called with the fraction done (0 … 1) and the step's name where a file takes long; may raise
         to stop it.
+    recording : Recording, optional
+        How the shapes moved, for formats that hold motions.
     """
 
     shapes: Shapes
     handover: Handover = AS_USUAL
     checkpoint: Checkpoint = no_checkpoint
+    recording: Recording | None = None
 
     @cached_property
+    def _placed(self) -> tuple[Shapes, Placement]:
+        """The shapes in the size that is wanted, lying flat if they should, and what did that."""
+        shapes, wanted, change = self.shapes, self.handover, Placement()
+        if wanted.scale != 1.0:
+            change = Placement(scale=wanted.scale)
+            shapes = shapes.placed(change)
+        if wanted.lay_flat:
+            lying = lying_flat(_points(shapes))
+            shapes, change = shapes.placed(lying), lying.after(change)
+        return shapes, change
+
+    @property
     def placed(self) -> Shapes:
         """The shapes in the size that is wanted, lying flat if they should."""
-        shapes, wanted = self.shapes, self.handover
-        if wanted.scale != 1.0:
-            shapes = shapes.placed(Placement(scale=wanted.scale))
-        if wanted.lay_flat:
-            shapes = shapes.placed(lying_flat(_points(shapes)))
-        return shapes
+        return self._placed[0]
+
+    def motions_of(self, written: Shapes) -> dict[str, Any]:
+        """Return where the drawn meshes of a file were at each time; nothing if not recorded.
+
+        With coarser levels of detail there are none: these are parts of their own in a file.
+        """
+        if self.recording is None or self.handover.levels:
+            return {}
+        if len(list(written.meshes())) != len(self.recording.motions):
+            return {}  # parts that were taken apart for the file
+        change = self._placed[1]
+        back = change.inverse()
+        rows = zip(written.meshes(), self.recording.motions, strict=True)
+        motions = [
+            [change.after(pose).after(back) for pose in motion]
+            for part, motion in rows
+            if len(without_degenerate(part.mesh.faces))
+        ]
+        return {"motions": motions, "seconds": self.recording.seconds}
 
     @cached_property
     def points(self) -> Array:
@@ -325,6 +373,8 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
             notes += _pictures_apart(written)
     if "levels" in chosen.keeps:
         given["coarser"] = coarser
+    if "motions" in chosen.keeps:
+        given |= ready.motions_of(written)
     if chosen.choices:
         given["frame"] = frame_of(chosen, wanted)
         written = written.placed(given["frame"].placement)
@@ -401,6 +451,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
     drawn = wanted.lines is not None and chosen.draws
     if wanted.levels and "levels" not in chosen.heeds:
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
+    if wanted.levels and ready.recording is not None and "motions" in chosen.keeps:
+        found.append("What was recorded is not in files with several levels of detail.")
     if wanted.lines is not None and "lines" not in chosen.heeds:
         kind = "a blueprint" if wanted.lines == "blueprint" else "outlines"
         found.append(f"{chosen.short} files hold the shapes themselves. SVG and DXF hold {kind}.")

@@ -254,6 +254,23 @@ class Modeler(ABC, Generic[State, Result]):
         """
         return tool.next_step(state)
 
+    # -- what was recorded --
+
+    def recorded(self, state: State) -> Sequence[float]:
+        """Return the times at which a state has recorded how it moved, s; empty where it has not.
+
+        They grow. Films show such a recording, and GLB files hold it as an animation; write
+        `replayed` with it. Asked where a person may choose it: quick.
+        """
+        return ()
+
+    def replayed(self, state: State, seconds: float) -> State:
+        """Return the state as it was at a time of its recording, from the first to the last.
+
+        Between two times that were recorded it is between both.
+        """
+        return state
+
     # -- the view --
 
     def view_advice(self, state: State, camera: Camera, job: Job) -> ViewAdvice | None:

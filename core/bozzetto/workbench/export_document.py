@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
-from bozzetto.exchange.export import WRITERS, Exported, Ready, prepare_file
+from bozzetto.exchange.export import WRITERS, Exported, Ready, Recording, prepare_file
 from bozzetto.exchange.formats import find
 from bozzetto.exchange.handover import AS_USUAL, Handover
 from bozzetto.exchange.left_out import LeftOut
@@ -63,11 +63,14 @@ class ObjectShapes:
         Objects that are not in the shapes.
     cautions : tuple of (str, Caution)
         What their modelers warn of, each with the name of the object.
+    recording : Recording, optional
+        How they moved, for files that hold it; see `bozzetto.workbench.films.with_recording`.
     """
 
     shapes: Shapes
     left_out: tuple[LeftOut, ...] = ()
     cautions: tuple[tuple[str, Caution], ...] = ()
+    recording: Recording | None = None
 
     def warnings(self, *, baseless_only: bool = False) -> tuple[str, ...]:
         """Return the cautions as sentences, with objects' names where there are several objects."""
@@ -210,7 +213,7 @@ def prepared_files(
         raise UserError(" ".join(("There is nothing to export.", *said, *objects.warnings())))
     if view is not None:
         standard_view(Camera(), view)  # one that does not exist is told whatever is written
-    ready = ready or Ready(objects.shapes, handover, checkpoint)
+    ready = ready or Ready(objects.shapes, handover, checkpoint, objects.recording)
     made = []
     for chosen, path in zip(formats, paths, strict=True):
         shown = chosen.flat or (chosen.draws and handover.lines is not None)

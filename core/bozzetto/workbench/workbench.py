@@ -183,6 +183,15 @@ class Workbench:
         state = self.guarded(model).step(tool, model.state, held, seconds, own)
         return model if state is model.state else with_state(self.registry, model, state)
 
+    def recorded(self, model: Model) -> tuple[float, ...]:
+        """Return the times at which a model has recorded how it moved; see `Modeler.recorded`."""
+        return self.guarded(model).recorded(model.state)
+
+    def replayed(self, model: Model, seconds: float) -> Model:
+        """Return a model as it was at a time of its recording; see `Modeler.replayed`."""
+        state = self.guarded(model).replayed(model.state, seconds)
+        return model if state is model.state else with_state(self.registry, model, state)
+
     def next_step(self, model: Model, tool: Tool[Any]) -> NextStep:
         """Return what to do next with a tool, as the model is now; its place is in the world."""
         step = self.guarded(model).next_step(model.state, tool)

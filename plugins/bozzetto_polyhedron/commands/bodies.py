@@ -28,6 +28,11 @@ def right_angles(state: PolyhedronState, context: Context) -> PolyhedronState:
     return replace(state, exact=not state.exact)
 
 
+def equal_lengths(state: PolyhedronState, context: Context) -> PolyhedronState:
+    """Return the state with lengths that are nearly equal made so, or left as drawn."""
+    return replace(state, equal=not state.equal)
+
+
 def unfolded(state: PolyhedronState, context: Context) -> PolyhedronState:
     """Return the state whose files get nets to cut and fold, or solids again."""
     return replace(state, files="solids" if state.files != "solids" else "nets")

@@ -8,13 +8,14 @@ from bozzetto.plugin import Command
 from bozzetto_polyhedron.commands.answers import has_body, mirrored_answer, next_answer
 from bozzetto_polyhedron.commands.bodies import (
     begin_body,
+    equal_lengths,
     on_the_ground,
     right_angles,
     sheet,
     unfolded,
 )
 from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges
-from bozzetto_polyhedron.commands.motion import at_rest, has_moved, swing
+from bozzetto_polyhedron.commands.motion import at_rest, forget, has_moved, is_recorded, swing
 from bozzetto_polyhedron.commands.pieces import has_followed, put_together, take_apart
 
 
@@ -74,6 +75,13 @@ def all_commands() -> Sequence[Command]:
             enabled=has_moved,
         ),
         Command(
+            "forget",
+            "Forget the recording",
+            "Throw away how things moved, with the traces; they stay where they are.",
+            forget,
+            enabled=is_recorded,
+        ),
+        Command(
             "take-apart",
             "Take apart",
             "Make each limb, door or panel of the chosen body of another object move by itself.",
@@ -92,6 +100,12 @@ def all_commands() -> Sequence[Command]:
             "Right angles on or off",
             "Make angles that are nearly right exactly right, or leave them as drawn.",
             right_angles,
+        ),
+        Command(
+            "equal-lengths",
+            "Equal lengths on or off",
+            "Make lengths that are nearly equal exactly equal, or leave them as drawn.",
+            equal_lengths,
         ),
         Command(
             "sheet",

@@ -44,6 +44,16 @@ def at_rest(state: PolyhedronState, context: Context) -> PolyhedronState:
     return as_held(replace(state, moved=None, grab=None, recorded=None))
 
 
+def forget(state: PolyhedronState, context: Context) -> PolyhedronState:
+    """Return the state without its recording; everything stays where it is."""
+    return replace(state, recorded=None)
+
+
+def is_recorded(state: PolyhedronState) -> bool:
+    """Return whether there is a recording."""
+    return state.recorded is not None and len(state.recorded.seconds) > 0
+
+
 def has_moved(state: PolyhedronState) -> bool:
     """Return whether anything is elsewhere than it was drawn."""
     return state.moved is not None

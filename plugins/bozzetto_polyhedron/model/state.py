@@ -343,6 +343,10 @@ class PolyhedronState(PartsState):
         bool,
         Parameter("Right angles", help="Angles that are nearly right become right, exactly."),
     ] = True
+    equal: Annotated[
+        bool,
+        Parameter("Equal lengths", help="Lengths that are nearly equal become equal, exactly."),
+    ] = False
     files: Annotated[
         Literal["solids", "faces", "nets"],
         Parameter(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
+from bozzetto.errors import UserError
 from bozzetto_polyhedron.solid.exact import EqualLengths
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
@@ -44,6 +47,33 @@ def equal_lengths(body: PlanarBody, noise: float) -> tuple[EqualLengths, ...]:
             found.append((apart, EqualLengths(first, second)))
     found.sort(key=lambda item: (item[0], item[1].first))
     return tuple(each for _, each in found)
+
+
+def with_equal_lengths(fit: Callable[..., PlanarBody], noise: float) -> PlanarBody:
+    """Return a body of which lengths that are probably equal are so to the last digits.
+
+    All are taken where they go together, else one after the other, the most alike first, as far as
+    they agree with what was typed and turn no face over.
+
+    Parameters
+    ----------
+    fit : callable
+        `exact_body` of a drawing; gets lengths that are to be equal as ``equal``.
+    noise : float
+        Standard deviation of a corner, mm.
+    """
+    body = fit()
+    offered = equal_lengths(body, noise)
+    if not offered:
+        return body
+    with suppress(UserError):
+        return fit(equal=offered)
+    taken: tuple[EqualLengths, ...] = ()
+    for each in offered:
+        with suppress(UserError):
+            body = fit(equal=(*taken, each))
+            taken = (*taken, each)
+    return body
 
 
 def _spans(body: PlanarBody) -> list[tuple[float, tuple[int, int]]]:

@@ -175,7 +175,7 @@ def _redrawn(body: Body, places: Array) -> tuple[Body, Array]:
     meant: Array = camera.project(body.placement.inverse().points(places))[0]
     extent = float(np.linalg.norm(np.ptp(meant, axis=0)))
     ink, nearest = body.strokes, float("inf")
-    trial = _carried(body.strokes, graph, graph.places, meant)
+    trial = carried(body.strokes, graph, graph.places, meant)
     for _ in range(ROUNDS):
         found = graph_of_ink(trial, never)
         same = _same_corners(graph, found, meant)
@@ -186,13 +186,13 @@ def _redrawn(body: Body, places: Array) -> tuple[Body, Array]:
             ink, nearest = trial, off
         if nearest <= NEAR:
             break
-        trial = _carried(trial, graph, found.places[same], meant)
+        trial = carried(trial, graph, found.places[same], meant)
     if nearest > KEPT:
         raise UserError(CROWDED)
     return replace(body, strokes=ink), meant
 
 
-def _carried(strokes: Strokes, graph: LineGraph, before: Array, after: Array) -> Strokes:
+def carried(strokes: Strokes, graph: LineGraph, before: Array, after: Array) -> Strokes:
     """Return strokes turned and stretched with their lines, whose corners were elsewhere.
 
     Each point goes with the nearest line of its stroke; strays with the nearest of all lines.

@@ -28,7 +28,7 @@ from bozzetto_polyhedron.model.fittings import Anchor, Hinge, Trace
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
-from bozzetto_polyhedron.model.state import Body, Moved, PolyhedronState, Recording
+from bozzetto_polyhedron.model.state import Body, Moved, PolyhedronState
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solve.followed import Sources, followed_bodies, key_of, parts_of
 from bozzetto_polyhedron.solve.followed_pieces import is_closed
@@ -39,9 +39,6 @@ from bozzetto_polyhedron.solve.spots import (
     fastenings_of,
     place_of,
 )
-
-MOST_POSES: Final = 3600
-"""Poses that are recorded: a minute."""
 
 GRAVITY: Final = 9.81
 """m/s²."""
@@ -232,30 +229,6 @@ def kept(motion: Motion) -> Moved:
         velocities=frozen(motion.velocities, np.float64, 3),
         momenta=frozen(motion.momenta, np.float64, 3),
         seconds=float(motion.time),
-    )
-
-
-def recorded(state: PolyhedronState, motion: Motion) -> Recording | None:
-    """Return the recording of a state with one more pose.
-
-    It begins anew where the machine or its time has: with other pieces, or back at rest.
-    """
-    before, count = state.recorded, len(motion.places)
-    if not state.records or not count:
-        return before
-    known = before is not None and len(before.places) == count * len(before.seconds)
-    if (
-        before is None
-        or not known
-        or (len(before.seconds) and motion.time <= before.seconds[-1, 0])
-    ):
-        before = Recording()
-    if len(before.seconds) >= MOST_POSES:
-        return before
-    return Recording(
-        frozen(np.vstack((before.seconds, [[motion.time]])), np.float64, 1),
-        frozen(np.vstack((before.places, motion.places)), np.float64, 3),
-        frozen(np.vstack((before.turns, motion.turns.reshape(-1, 3))), np.float64, 3),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -20,6 +21,7 @@ from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, Polyh
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
+from bozzetto_polyhedron.solid.equal_lengths import with_equal_lengths
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody, evened, on_axis_planes
@@ -213,7 +215,15 @@ def _base(
     turned = body.placement.rotation
     up = turned[6:9] if dimensions else UP
     return exact_body_of_ink(
-        body.strokes, body.hidden, number, state.exact, dimensions, slanted, up, checkpoint
+        body.strokes,
+        body.hidden,
+        number,
+        state.exact,
+        state.equal,
+        dimensions,
+        slanted,
+        up,
+        checkpoint,
     )
 
 
@@ -294,6 +304,7 @@ def exact_body_of_ink(
     hidden: str,
     number: int,
     right_angles: bool,
+    equal: bool,
     dimensions: tuple[Dimension, ...],
     slanted: tuple[int, ...],
     up: tuple[float, ...],
@@ -303,7 +314,8 @@ def exact_body_of_ink(
     answer = answers_of_ink(strokes, hidden, checkpoint)[number]
     camera = strokes[0].camera
     noise = graph_of_ink(strokes, checkpoint).noise / camera.pixels_per_mm
-    return exact_body(
+    fit = partial(
+        exact_body,
         answer,
         noise=noise,
         right_angles=right_angles,
@@ -312,6 +324,7 @@ def exact_body_of_ink(
         camera=camera,
         up=up,
     )
+    return with_equal_lengths(fit, noise) if equal else fit()
 
 
 def placed_body(body: PlanarBody, placement: Placement) -> PlanarBody:

@@ -17,6 +17,7 @@ from bozzetto_polyhedron.model.changes import Added, Join
 from bozzetto_polyhedron.model.same_view import on_sheet, where_seen
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.kept_poses import at_rest_here
+from bozzetto_polyhedron.solve.mending import MENDABLE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
 from bozzetto_polyhedron.solve.spots import is_linkage, places_of_findings
 from bozzetto_polyhedron.solve.standing import stood
@@ -91,7 +92,8 @@ class DrawLines(ErasingTool):
                 with suppress(UserError):
                     places = places_of_findings(body, solved(body, state), [finding])
                     x, y, z = places[0].tolist()
-            return NextStep(finding.sentence, place=(x, y, z))
+            by_touch = " “Mend” does it at a touch." if finding.what in MENDABLE else ""
+            return NextStep(f"{finding.sentence}{by_touch}", place=(x, y, z))
         if body.choice is None:
             return NextStep("The lines close. Touch a corner to turn it.", tool=TurnSolid.id)
         found: Solved | None = None

@@ -55,6 +55,7 @@ class Erase(ErasingTool):
     title = "Erase"
     icon = "icons/erase.svg"
     hint = "Rub along the lines that are to go, or strike them out."
+    group = "Corrections"
 
     @override
     def draw(self, state: PolyhedronState, ink: Ink, context: Context) -> PolyhedronState:

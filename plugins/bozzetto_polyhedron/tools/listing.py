@@ -19,11 +19,13 @@ from bozzetto_polyhedron.tools.fittings import (
     DrawSpring,
     TraceCorner,
 )
+from bozzetto_polyhedron.tools.mend import Mend
 from bozzetto_polyhedron.tools.mirror import MirrorTool
 from bozzetto_polyhedron.tools.move import Move
 from bozzetto_polyhedron.tools.open_face import OpenFace
 from bozzetto_polyhedron.tools.pieces import FreePiece
 from bozzetto_polyhedron.tools.push import DrawOnFace, PushLoop
+from bozzetto_polyhedron.tools.replay import Replay
 from bozzetto_polyhedron.tools.slant import SlantTool
 from bozzetto_polyhedron.tools.turn_solid import TurnSolid
 
@@ -49,7 +51,9 @@ def all_tools() -> tuple[Tool[Any], ...]:
         DrawPin(),
         TraceCorner(),
         FreePiece(),
+        Replay(),
         DimensionTool(),
         SlantTool(),
         Erase(),
+        Mend(),
     )

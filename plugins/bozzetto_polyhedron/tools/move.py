@@ -31,9 +31,9 @@ from bozzetto_polyhedron.solve.moving import (
     kept,
     moving,
     moving_bodies,
-    recorded,
 )
 from bozzetto_polyhedron.solve.picking import REACH
+from bozzetto_polyhedron.solve.recording import recorded, recorded_times
 from bozzetto_polyhedron.tools.erase import ErasingTool
 from bozzetto_polyhedron.view.motion import moved_vertices
 
@@ -103,13 +103,14 @@ class Move(ErasingTool):
         if held is not None:
             grab = _deeper(_grabbed(state, made, held), made, held, seconds)
             pull = _pull(made, motion, grab, held)
-        before, motion = motion.time, made.stepper.advanced(motion, seconds, pull)
-        if motion.time == before and made.is_driven:
+        before, motion = motion, made.stepper.advanced(motion, seconds, pull)
+        if motion.time == before.time and made.is_driven:
             raise UserError(
                 "A motor is stuck: the lengths do not let it turn any further. Let it swing to and "
                 "fro, or draw its crank shorter."
             )
-        return replace(state, moved=kept(motion), grab=grab, recorded=recorded(state, motion))
+        recording = recorded(state, before, motion)
+        return replace(state, moved=kept(motion), grab=grab, recorded=recording)
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
@@ -118,7 +119,7 @@ class Move(ErasingTool):
             if any(map(is_of_bars, state.shown(Body))):
                 return NextStep(BARS)
             return NextStep(TO_MOVE, tool="turn")
-        return NextStep(f"{_freedoms(state)}{self.hint}")
+        return NextStep(f"{_freedoms(state)}{self.hint}{_kept(state)}")
 
 
 def _freedoms(state: PolyhedronState) -> str:
@@ -132,6 +133,14 @@ def _freedoms(state: PolyhedronState) -> str:
     if degrees == 0:
         return "Its motor moves all of it: play. " if made.is_driven else "Nothing of it is free. "
     return f"It can move in {degrees} way{'s' if degrees > 1 else ''}. "
+
+
+def _kept(state: PolyhedronState) -> str:
+    """Return how long a motion is recorded and what shows it again; "" where none is."""
+    times = recorded_times(state)
+    if len(times) < 2:
+        return ""
+    return f" {times[-1] - times[0]:.1f} s are recorded: “Replay” shows them again."
 
 
 def _beginning(held: Drag) -> Place:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import struct
 
+import numpy as np
+import pytest
 from PIL import Image
+from PySide6 import QtWidgets
 
 from bozzetto_app.paths import recovery_folder
 from tests.app.session.test_motion import hang_a_ball, pulled
@@ -50,6 +53,63 @@ def test_a_film_is_made_of_the_next_seconds_and_changes_nothing(
         assert film.size[1] <= 480
     assert session.drawing.document is before
     assert len(session.drawing.history.entries) == steps
+
+
+def ask_film(window, monkeypatch, path):
+    """Ask for a film in a window that is told where to; return the dialog that asks of what."""
+    questions = window.files
+    monkeypatch.setattr(questions, "_place", lambda *_: (path, True))
+    questions.ask_film()
+    return window.findChild(QtWidgets.QDialog, "film")
+
+
+def test_a_film_of_what_the_pen_did_is_offered_first_and_holds_it(
+    make_window, springs, settle, qtbot, tmp_path, monkeypatch
+):
+    window = make_window(MODELER, extra=[springs.package])
+    session = window.session
+    springs.records = True
+    hang_a_ball(session, settle)
+    pulled(session, qtbot)
+    settle(session)
+    before, steps = session.drawing.document, len(session.drawing.history.entries)
+    (model,) = before
+    kept = np.array(model.state.kept)
+    assert len(kept) > 1
+    asked = ask_film(window, monkeypatch, tmp_path / "ball.glb")
+    assert asked.recorded.isChecked()
+    assert f"{kept[-1, 0] - kept[0, 0]:.1f} s" in asked.recorded.text()
+    asked.accept()
+    settle(session)
+    data = (tmp_path / "ball.glb").read_bytes()
+    (length,) = struct.unpack_from("<I", data, 12)
+    said = json.loads(data[20 : 20 + length])
+    (times,) = {one["input"] for one in said["animations"][0]["samplers"]}
+    assert said["accessors"][times]["max"] == pytest.approx([kept[-1, 0] - kept[0, 0]])
+    assert session.drawing.document is before
+    assert len(session.drawing.history.entries) == steps
+
+
+def test_the_next_seconds_can_be_filmed_in_the_place_of_a_recording(
+    make_window, springs, settle, qtbot, tmp_path, monkeypatch
+):
+    window = make_window(MODELER, extra=[springs.package])
+    session = window.session
+    springs.records = True
+    hang_a_ball(session, settle)
+    pulled(session, qtbot)
+    settle(session)
+    made = []
+    monkeypatch.setattr(session.files.exchange.films, "make", lambda *how: made.append(how))
+    asked = ask_film(window, monkeypatch, tmp_path / "ball.gif")
+    assert not asked.seconds.isEnabled()
+    asked.next.setChecked(True)
+    asked.seconds.setValue(1.5)
+    asked.accept()
+    assert made == [(tmp_path / "ball.gif", 1.5)]
+    asked = ask_film(window, monkeypatch, tmp_path / "ball.gif")
+    asked.reject()
+    assert len(made) == 1
 
 
 def test_a_film_that_never_ends_is_refused_with_a_sentence(

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from bozzetto.errors import UserError
+from bozzetto.exchange.ink.ink_json import read_drawing
 from bozzetto.geometry import Placement
-from bozzetto_polyhedron.model.state import Dimension
+from bozzetto.plugin import Context, Job
+from bozzetto_polyhedron.model.state import Body, Dimension
+from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.reconstruction.answer import Answer
-from bozzetto_polyhedron.solid.equal_lengths import equal_lengths
+from bozzetto_polyhedron.solid.equal_lengths import equal_lengths, with_equal_lengths
 from bozzetto_polyhedron.solid.exact import EqualLengths, exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of, volume_of
-from bozzetto_polyhedron.solve.pipeline import placed_body
+from bozzetto_polyhedron.solve.pipeline import placed_body, solved
 from bozzetto_polyhedron.solve.standing import foot_of, upright
 from tests.plugins.polyhedron.drawn_bodies import VIEW
 from tests.plugins.polyhedron.true_bodies import (
@@ -29,6 +33,7 @@ from tests.plugins.polyhedron.true_bodies import (
     parallel_camera,
     prism,
 )
+from tests.plugins.polyhedron.write_samples import FOLDER
 
 BODIES = {body.name: body for body in all_bodies()}
 BOX = BODIES["box"]
@@ -301,6 +306,36 @@ def test_lengths_that_are_alike_are_proposed_and_can_be_taken(seed):
     for each in offered:
         lengths = between(taken, each.first), between(taken, each.second)
         assert lengths[0] == pytest.approx(lengths[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(2070, 2073))
+def test_lengths_become_equal_as_far_as_what_was_typed_lets_them(seed):
+    stairs = BODIES["stairs"]
+    answer, noise, _ = drawn(stairs, 0.005, np.random.default_rng(seed))
+    free = exact_body(answer, noise=noise)
+    first = equal_lengths(free, noise)[0]
+    apart = between(free, first.first), between(free, first.second)
+    assert apart[0] != pytest.approx(apart[1], rel=1e-9)
+    made = with_equal_lengths(partial(exact_body, answer, noise=noise), noise)
+    assert between(made, first.first) == pytest.approx(between(made, first.second), rel=1e-12)
+    typed = [Dimension(first.first, 30.0), Dimension(first.second, 30.5)]
+    kept = with_equal_lengths(partial(exact_body, answer, noise=noise, dimensions=typed), noise)
+    assert between(kept, first.first) == pytest.approx(30.0, rel=1e-12)
+    assert between(kept, first.second) == pytest.approx(30.5, rel=1e-12)
+    assert off_planes(kept) < 1e-9
+
+
+def test_a_switch_of_the_model_makes_lengths_equal():
+    """Of the same drawing fewer edges differ in length than without it."""
+    text = (FOLDER / "stairs.json").read_bytes()
+    state = PolyhedronModeler().read_drawing(read_drawing(text, "stairs"), Context(), Job())
+    (body,) = state.of_kind(Body)
+    lengths = []
+    for equal in (False, True):
+        found = solved(body, replace(state, equal=equal)).base
+        edges = np.diff(found.vertices[edges_of(found.faces)], axis=1)[:, 0]
+        lengths.append(len(set(np.round(np.linalg.norm(edges, axis=1), 9).tolist())))
+    assert lengths[1] < lengths[0]
 
 
 def test_lengths_that_differ_are_not_proposed():

@@ -15,8 +15,9 @@ from bozzetto_polyhedron.mechanism.analysis import mobility_of
 from bozzetto_polyhedron.model.fittings import Coil, Link, Trace
 from bozzetto_polyhedron.model.state import Recording
 from bozzetto_polyhedron.modeler import PolyhedronModeler
-from bozzetto_polyhedron.solve.moving import MOST_POSES, moving
+from bozzetto_polyhedron.solve.moving import moving
 from bozzetto_polyhedron.solve.paths import path_of
+from bozzetto_polyhedron.solve.recording import MOST_POSES
 from bozzetto_polyhedron.tools.fittings import (
     DrawCrank,
     DrawHinge,
@@ -88,7 +89,7 @@ def test_a_trace_is_where_the_corner_was():
     state = played(traced(four_bar(speed=360.0), FOUR_BAR["c"]), 1.0)
     (trace,) = state.of_kind(Trace)
     path = path_of(trace, state, moving(state))
-    assert len(path) == 60
+    assert len(path) == 61  # with where it began
     rocker = np.linalg.norm(path - moving(state).machine.shapes[0].vertices[-1], axis=1)
     assert np.ptp(rocker) < 1e-4 * rocker.mean()
     assert np.linalg.norm(path[-1] - path[0]) < 0.1 * np.ptp(path[:, 0])

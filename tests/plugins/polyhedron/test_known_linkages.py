@@ -65,7 +65,7 @@ def test_the_coupler_of_a_drawn_four_bar_follows_its_closed_form():
     base = np.array([160.0, 0.0])
     closest = []
     for sign in (1.0, -1.0):
-        angles = 1.1 + sign * np.pi * np.arange(1, 61) / 30.0
+        angles = 1.1 + sign * np.pi * np.arange(61) / 30.0
         crank = 40.0 * np.column_stack((np.cos(angles), np.sin(angles)))
         elbow = np.array([known_linkages.meeting(each, 140.0, base, 100.0) for each in crank])
         along = (elbow - crank) / 140.0

@@ -128,7 +128,7 @@ def write_shapes(
             for clip in skin.clips:
                 add_clip(animations, clip.placed(TO_FILE), rig, root + 1, file.put, FLOAT)
     nodes += joint_nodes
-    held = list(range(len(parts))) if motions else in_groups(nodes, parts)
+    held = in_groups(nodes, parts, is_still=not motions)
     roots = [*held, *(skin["skeleton"] for skin in skins)]
     scene: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "Bozzetto"},

@@ -8,11 +8,13 @@ from typing import Any
 from bozzetto.geometry.shapes import Solid, Surface
 
 
-def in_groups(nodes: list[dict[str, Any]], parts: Sequence[Solid | Surface]) -> list[int]:
+def in_groups(
+    nodes: list[dict[str, Any]], parts: Sequence[Solid | Surface], *, is_still: bool = True
+) -> list[int]:
     """Put the nodes of parts into nodes named by their paths; return the roots of the parts.
 
-    What is in a part is in its node. The node of a part on a skin stays a root: the format says
-    that the place of such a node does not count.
+    What is in a part is in its node, where nothing moves: else it would move with it. The node of
+    a part on a skin stays a root: the format says that the place of such a node does not count.
 
     Parameters
     ----------
@@ -20,10 +22,12 @@ def in_groups(nodes: list[dict[str, Any]], parts: Sequence[Solid | Surface]) -> 
         Those of the parts come first; more are added.
     parts : sequence of Solid or Surface
         What they are the nodes of.
+    is_still : bool
+        Whether no part moves.
     """
     known: dict[tuple[str, ...], int] = {}
     for number, part in enumerate(parts):
-        if part.skin is None:
+        if part.skin is None and is_still:
             known.setdefault((*part.path, part.name), number)
     roots: list[int] = []
     for number, part in enumerate(parts):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Iterable, Mapping
@@ -17,6 +18,7 @@ from bozzetto.plugin.commands import Command
 from bozzetto.plugin.figures import Figure
 from bozzetto.plugin.guard.checked_values import (
     Unsound,
+    check_finite,
     check_number,
     check_text,
     check_words,
@@ -237,6 +239,24 @@ def sound_sources(sources: Any) -> tuple[str, ...]:
         expect(fine, f"the id of a source ({source!r})")
     expect(len(set(sources)) == len(sources), "the id of a source (given twice)")
     return tuple(sources)
+
+
+def sound_times(times: Any) -> tuple[float, ...]:
+    """Return times that a modeler has recorded.
+
+    Raises
+    ------
+    Unsound
+        If they are not finite numbers that grow.
+    """
+    try:
+        values = tuple(float(value) for value in times)
+    except (TypeError, ValueError):
+        raise Unsound(f"the times are {type(times).__name__} and no numbers") from None
+    check_finite(values, "the times")
+    grow = all(one < other for one, other in itertools.pairwise(values))
+    expect(grow, "the times do not grow")
+    return values
 
 
 def sound_report(report: Any) -> dict[str, Any]:

@@ -155,6 +155,14 @@ class GuardedModeler:
             "next_step", validation.sound_next_step, self._modeler.next_step, state, tool
         )
 
+    def recorded(self, state: Any) -> tuple[float, ...]:
+        """Return the times at which a state has recorded how it moved."""
+        return self._checked("recorded", validation.sound_times, self._modeler.recorded, state)
+
+    def replayed(self, state: Any, seconds: float) -> Any:
+        """Return the state as it was at a time of its recording."""
+        return self._state("replayed", self._modeler.replayed, state, seconds)
+
     # -- commands --
 
     def commands(self) -> tuple[Command, ...]:
