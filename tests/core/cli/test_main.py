@@ -204,7 +204,10 @@ def test_a_document_is_exported_and_rendered(bozzetto, square, tmp_path):
         (("build", "silhouette", "eight.svg", "-o", "x.stl"), "(50, 50)"),
         (("build", "silhouette", "square.svg", "-o", f"{'n' * 300}.stl"), "shorter"),
         (("build", "silhouette", "square.svg", "-o", ""), "no name"),
-        (("build", "silhouette", "square.svg", "-o", "x.stl", "-o", "y.stl"), "given twice"),
+        (
+            ("build", "silhouette", "square.svg", "-o", "x.stl", "--report", "a", "--report", "b"),
+            "given twice",
+        ),
         (("build", "silhouette", ".", "-o", "x.stl"), "folder"),
         (("build", "silhouette", "square.svg", "-o", "new/", "--format", "svg"), "curves"),
         (("build", "silhouette", "square.svg", "-o", "./", "--format", "svg"), "replace an input"),
