@@ -395,7 +395,7 @@ class SilhouetteState(PartsState):
             "Soft edge",
             0.0,
             1.0,
-            step=0.05,
+            step=0.02,
             help="How much of the brush's radius its edge takes to fade.",
         ),
     ] = 0.2
