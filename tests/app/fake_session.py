@@ -381,7 +381,7 @@ PARTS = {
     "notices": Notices,
     "hints": Hints,
     "pictures": Pictures,
-    "placing": Placing,
+    "pictures.placing": Placing,
     "gestures": Gestures,
     "files": Files,
     "shapes": Shapes,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from operator import attrgetter
 
 import pytest
 from PySide6.QtCore import Signal
@@ -21,7 +22,7 @@ def real(qapp, _tidy):
 
 @pytest.mark.parametrize("name", PARTS)
 def test_what_widgets_call_and_listen_to_is_there(real, name):
-    part, fake = getattr(real, name), PARTS[name]
+    part, fake = attrgetter(name)(real), PARTS[name]
     own = {key for key, kind in vars(fake).items() if isinstance(kind, Signal)}
     assert all(hasattr(part, key) for key in own)
     assert all(callable(getattr(part, key, None)) for key in fake.recorded.split())

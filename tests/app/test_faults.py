@@ -49,6 +49,9 @@ def _impatient(monkeypatch):
         ("gestures", "LATE_AFTER"),
         ("toolbox", "TOOLS_LIMIT"),
         ("solver", "LATE_AFTER"),
+        ("hints", "LATE_AFTER"),
+        ("view_advice", "LATE_AFTER"),
+        ("modeler_commands", "LATE_AFTER"),
     ):
         monkeypatch.setattr(f"bozzetto_app.session.{module}.{name}", LIMIT)
     for name in ("GRACE", "LATE_AFTER"):

@@ -251,7 +251,10 @@ def test_layers_of_another_tool_are_not_there(session, settle, marks):
 
 
 def test_a_model_still_to_be_drawn_is_begun_beside_what_is_visible(make_session, settle):
-    """A product gets a box to draw on, but not where there is something to draw on already."""
+    """A product gets a box to draw on, but not where there is something to draw on already.
+
+    It follows what its first curve is drawn on.
+    """
     session = make_session("bozzetto.product")
     settle(session)
     assert session.scene.advice.layers
@@ -267,7 +270,7 @@ def test_a_model_still_to_be_drawn_is_begun_beside_what_is_visible(make_session,
     settle(session)
     drawn = session.drawing.document.models[-1]
     assert drawn.modeler == "bozzetto.product"
-    assert [type(node).__name__ for node in drawn.state.nodes] == ["Curve"]
+    assert [type(node).__name__ for node in drawn.state.nodes] == ["FollowedShape", "Curve"]
     session.drawing.undo()
     session.drawing.undo()
     settle(session)

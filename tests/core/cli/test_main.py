@@ -224,7 +224,7 @@ def test_a_document_is_exported_and_rendered(bozzetto, square, tmp_path):
         (("export", "square.stl", "-o", "x.glb"), "build mesh square.stl"),
         (("export", "bad.bozz", "-o", "x.stl"), ""),
         (("export", "bad.bozz", "-o", "x.xyz"), ".bozz, .stl"),
-        (("simulate", "bad.bozz", "-o", "x.xyz"), ".gif, .stl"),
+        (("simulate", "bad.bozz", "-o", "x.xyz"), ".gif, .mp4, .stl"),
         (("build", "silhouette", "missing.svg", "-o", "x.xyz"), ".bozz, .stl"),
         (("render", "bad.bozz", "-o", "x.png"), ""),
         (("render", "square.svg", "-o", "x.png"), ""),

@@ -216,8 +216,8 @@ def test_a_film_from_the_command_line_has_the_motion():
     bench = Workbench(Registry())
     model = bench.sources.from_drawing("bozzetto.silhouette", DRAWING, {"resolution": 32})
     model = with_state(bench.registry, model, ran(model.state, "sway"))
-    film = frames(bench, Document((model,)), 0.4, 10)
-    gltf, values = opened(animation_of(bench, film, 10))
+    film = list(frames(bench, Document((model,)), 0.4, 10))
+    gltf, values = opened(animation_of(bench, film, np.arange(len(film)) / 10))
     (animation,) = gltf["animations"]
     assert animation["channels"]
     times = values(animation["samplers"][0]["input"])
