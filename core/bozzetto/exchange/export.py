@@ -374,7 +374,10 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     if "levels" in chosen.keeps:
         given["coarser"] = coarser
     if "motions" in chosen.keeps:
-        given |= ready.motions_of(written)
+        moved = ready.motions_of(written)
+        given |= moved
+        if ready.recording is not None and not moved and not wanted.levels:
+            notes += ("What was recorded is not in files whose parts are separate objects.",)
     if chosen.choices:
         given["frame"] = frame_of(chosen, wanted)
         written = written.placed(given["frame"].placement)

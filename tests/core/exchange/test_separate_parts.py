@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.exchange.export import export
+from bozzetto.exchange.export import Ready, Recording, export, prepare_file
 from bozzetto.exchange.formats import writers
 from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.exchange.separate_parts import separate_parts
-from bozzetto.geometry import FaceGroup, Shapes, Solid
+from bozzetto.geometry import FaceGroup, Placement, Shapes, Solid
 from tests.core.exchange.skinned import skinned, tube
 from tests.core.exchange.test_skins import opened
 
@@ -47,6 +47,16 @@ def corners(shapes):
         rows.append(np.column_stack((places, color)))
     whole = np.concatenate(rows)
     return whole[np.lexsort(whole.T)]
+
+
+def test_a_recording_that_separate_parts_cannot_hold_is_told():
+    """It belongs to the whole: left out without a word it would be missed too late."""
+    motion = [Placement(), Placement(offset=(5.0, 0.0, 0.0))]
+    recording = Recording([motion], [0.0, 1.0])
+    for handover, is_told in ((Handover(), False), (APART, True)):
+        made = prepare_file(Ready(figure(), handover, recording=recording), "a.glb", None)
+        assert any("recorded" in note for note in made.notes) == is_told
+        assert ("animations" in opened(made.data)[0]) != is_told
 
 
 def test_the_same_triangles_lie_in_named_parts_of_the_whole():
