@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING, Final
 
 from PySide6.QtCore import QObject
 
+from bozzetto.errors import UserError
+from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.channel import Channel, Request
+from bozzetto_app.workers.time_limit import in_time
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Model
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.session.document_model import DocumentModel
@@ -56,8 +60,18 @@ class Films(QObject):
         """How long the motion is that was recorded in the document, s; 0 where there is none."""
         from bozzetto.workbench.films import recorded_times, recordings
 
-        known = recordings(self._workbench, self._drawing.document)
+        known = recordings(self._workbench, self._drawing.document, self._times_of)
         return recorded_times(known)[-1] if known else 0.0
+
+    def _times_of(self, model: Model) -> tuple[float, ...]:
+        """Return when an object recorded how it moved; none, and a word, if its plugin fails."""
+        bench = self._workbench
+        guard = bench.registry.guard
+        try:
+            return in_time(guard, model.modeler, "recorded", lambda: bench.recorded(model))
+        except (UserError, PluginFault) as problem:
+            self._notices.complain(problem)
+            return ()
 
     def make(self, path: Path, seconds: float | None) -> None:
         """Write a film of the next seconds, or of what was recorded, with the view as it is now.

@@ -118,13 +118,26 @@ def frame_times(seconds: float, rate: float) -> list[float]:
     return [number / rate for number in range(max(1, round(seconds * rate)) + 1)]
 
 
-def recordings(bench: Workbench, document: Document) -> dict[str, tuple[float, ...]]:
+def recordings(
+    bench: Workbench,
+    document: Document,
+    ask: Callable[[Model], tuple[float, ...]] | None = None,
+) -> dict[str, tuple[float, ...]]:
     """Return when visible objects recorded how they moved, by their ids, s; see `recorded_times`.
 
     Those that recorded nothing, or one pose, are left out.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Knows the modelers.
+    document : Document
+        Stays as it is.
+    ask : callable, optional
+        Gives the times of an object; by default `Workbench.recorded`.
     """
     usable = [one for one in document if one.visible and unusable(bench, one) is None]
-    rows = {model.id: bench.recorded(model) for model in usable}
+    rows = {model.id: (ask or bench.recorded)(model) for model in usable}
     return {number: times for number, times in rows.items() if len(times) > 1}
 
 

@@ -112,6 +112,23 @@ def test_the_next_seconds_can_be_filmed_in_the_place_of_a_recording(
     assert len(made) == 1
 
 
+def test_a_plugin_that_fails_over_its_recording_is_told_and_the_rest_can_be_filmed(
+    make_session, springs, settle, monkeypatch
+):
+    """It is asked on the window's thread, before anything is filmed."""
+    session = make_session(MODELER, extra=[springs.package])
+    hang_a_ball(session, settle)
+
+    def fails(self, state):
+        raise RuntimeError("no film")
+
+    monkeypatch.setattr(type(springs), "recorded", fails, raising=False)
+    kinds = []
+    session.notices.noticed.connect(lambda notice: kinds.append(notice.kind))
+    assert session.files.exchange.films.recorded == 0.0
+    assert kinds == ["fault"]
+
+
 def test_a_film_that_never_ends_is_refused_with_a_sentence(
     make_session, springs, settle, tmp_path, monkeypatch
 ):
