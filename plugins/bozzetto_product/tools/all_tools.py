@@ -10,6 +10,7 @@ from bozzetto_product.tools.detail import DrawDetail
 from bozzetto_product.tools.draw_curve import DrawCurve
 from bozzetto_product.tools.emblem import LayText
 from bozzetto_product.tools.erase import Erase
+from bozzetto_product.tools.fillet import Fillet
 from bozzetto_product.tools.join import Join
 from bozzetto_product.tools.loop import SwitchLoop
 from bozzetto_product.tools.modify import Modify
@@ -33,6 +34,7 @@ def all_tools() -> Sequence[Tool[ProductState]]:
         Pull(),
         Redraw(),
         Split(),
+        Fillet(),
         Join(),
         SetPlane(),
     )
