@@ -20,6 +20,7 @@ from bozzetto.ink import (
     point_rows,
 )
 from bozzetto_product.hand_over.equal_curves import equal_curves
+from bozzetto_product.hand_over.names import piece_names
 from bozzetto_product.hand_over.network_joints import joined_state
 from bozzetto_product.hand_over.point_fit import (
     closed_spline_through,
@@ -27,8 +28,10 @@ from bozzetto_product.hand_over.point_fit import (
     spline_through,
 )
 from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
-from bozzetto_product.model.curves import Curve, EdgeKind
+from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.model.stretches import with_stretch
+from bozzetto_product.solve.solver import net_of_state
 
 KEYS: Final = ("curves", "loops", "creases", "pressure", "details")
 """The keys of a network."""
@@ -106,7 +109,8 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         raise UserError(f"“unit” is one of {', '.join(UNITS)}.")
     rows = _rows(given.get("curves"), UNITS[unit])
     size = float(np.linalg.norm(np.ptp(np.vstack(list(rows.values())), axis=0)))
-    creases = _numbers(given.get("creases", {}), "creases", rows)
+    told = _numbers(given.get("creases", {}), "creases", rows)
+    creases = {name: number for name, number in told.items() if name in rows}
     rounding = UNITS[unit] * rounding_of(
         np.vstack(list(rows.values())) / UNITS[unit], size / UNITS[unit]
     )
@@ -119,6 +123,11 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     ]
     names = list(rows)
     again = {names[k]: names[first] for k, first in equal_curves(splines, tolerance).items()}
+    pieces = {
+        _first_name(name, "network.creases", again): number
+        for name, number in told.items()
+        if name not in rows
+    }
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
@@ -128,6 +137,7 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         for number, (name, spline) in enumerate(kept, 1)
     )
     state = joined_state(curves, size, tolerance / FIT)
+    state = _with_creased_pieces(state, pieces)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows, again)
     return Network(
         state,
@@ -202,11 +212,35 @@ def _has_corner(ring: Array) -> bool:
     return bool(turn > max(SEAM, 1.5 * float(np.max(turns[[0, -1]]))))
 
 
+KINDS: Final[Mapping[float, EdgeKind]] = {0.0: "smooth", 1.0: "crease"}
+"""Kinds of edges by their crease."""
+
+
 def _creased(curve: Curve, crease: float | None) -> Curve:
     if crease is None:
         return curve
-    kinds: dict[float, EdgeKind] = {0.0: "smooth", 1.0: "crease"}
-    return replace(curve, edge=kinds.get(crease, "between"), crease=crease)
+    return replace(curve, edge=KINDS.get(crease, "between"), crease=crease)
+
+
+def _with_creased_pieces(state: ProductState, creases: Mapping[str, float]) -> ProductState:
+    """Return a network whose pieces meet as a file says, by their names."""
+    if not creases:
+        return state
+    net = net_of_state(state)
+    names = piece_names(net, state.of_kind(Curve))
+    for name, crease in creases.items():
+        found = next((net.edges[k] for k, own in enumerate(names) if own == name), None)
+        if found is None:
+            whole = name.partition("/")[0]
+            count = sum(own.partition("/")[0] == whole for own in names)
+            raise UserError(
+                f"“network.creases” names a piece “{name[:40]}”; “{whole[:40]}” has {count}, where "
+                "curves meet it."
+            )
+        chosen = Stretch(*found.span, KINDS.get(crease, "between"), crease)
+        curve = next(one for one in state.of_kind(Curve) if one.id == found.curve)
+        state = state.with_node(with_stretch(curve, *found.span, chosen))
+    return state
 
 
 def _loops(
@@ -241,15 +275,10 @@ def _first_name(name: str, where: str, again: Mapping[str, str]) -> str:
 
 
 def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, float]:
-    """Return numbers from 0 to 1 by the names of whole curves."""
+    """Return numbers from 0 to 1 by the names of curves and pieces."""
     made = {}
     for name, number in an_object(value, f"network.{where}").items():
         _known(name, f"network.{where}", rows)
-        if name not in rows:
-            raise UserError(
-                f"“network.{where}” names a piece “{str(name)[:40]}”; it takes whole curves. Give "
-                "the piece as a curve of its own."
-            )
         made[str(name)] = a_number(number, f"network.{where}.{name}", 0.0, 1.0)
     return made
 

@@ -276,7 +276,7 @@ def _put_together(
         points[end] = spline_of(state, kept[k]).control_points[at]
     fresh = replace(
         curve, id=name, name=state.unused_name("Curve"), spline=Spline(arc.knots, points),
-        strokes=Strokes(), laid=None, plane=None, told=(),
+        strokes=Strokes(), laid=None, plane=None, stretches=(), told=(),
     )  # fmt: skip
     others = tuple(
         meet for meet in joint.meetings if meet.curve not in (ends[0].curve, ends[1].curve)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from bozzetto.plugin import Tool
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.tools.crease import SwitchCrease
 from bozzetto_product.tools.detail import DrawDetail
 from bozzetto_product.tools.draw_curve import DrawCurve
 from bozzetto_product.tools.emblem import LayText
@@ -35,6 +36,7 @@ def all_tools() -> Sequence[Tool[ProductState]]:
         Redraw(),
         Split(),
         Fillet(),
+        SwitchCrease(),
         Join(),
         SetPlane(),
     )

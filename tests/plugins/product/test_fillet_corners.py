@@ -116,7 +116,9 @@ def test_what_runs_through_is_told() -> None:
     share = np.linspace(-1.0, 1.0, 9)[:, None]
     through = Spline.uniform(share * (50.0, 0.0, 0.0))
     ends = [Spline.uniform((share + 1.0) * way) for way in ((20.0, 20.0, 0.0), (-20.0, 20.0, 0.0))]
-    curves = [Curve(name, spline=spline) for name, spline in zip("tab", (through, *ends), strict=True)]
+    curves = [
+        Curve(name, spline=spline) for name, spline in zip("tab", (through, *ends), strict=True)
+    ]
     joint = Joint("j", (Meeting("t", 0.5), Meeting("a", 0.0), Meeting("b", 0.0)))
     state = ProductState(nodes=tuple(curves), joints=(joint,))
     with pytest.raises(UserError, match="runs through"):
