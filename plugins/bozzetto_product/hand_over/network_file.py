@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, TypeAlias, get_args
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
+from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.names import piece_names
 from bozzetto_product.hand_over.network_joints import joined_state
@@ -28,12 +29,13 @@ from bozzetto_product.hand_over.point_fit import (
     spline_through,
 )
 from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
+from bozzetto_product.model.appearance import Finish
 from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.model.stretches import with_stretch
 from bozzetto_product.solve.solver import net_of_state
 
-KEYS: Final = ("curves", "loops", "creases", "pressure", "details")
+KEYS: Final = ("curves", "loops", "creases", "pressure", "paint", "details")
 """The keys of a network."""
 
 UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
@@ -59,6 +61,10 @@ SEAM: Final = np.radians(25.0)
 """A curve that ends where it began, and turns there by more than this, has a corner there."""
 
 
+OfSurfaces: TypeAlias = Mapping[frozenset[str], Mapping[str, Any]]
+"""Values of surfaces by their parameters, by the names of the curves round each."""
+
+
 @dataclass(frozen=True)
 class Network:
     """A network as a file gives it.
@@ -69,8 +75,8 @@ class Network:
         Curves and joints; no surfaces yet.
     loops : tuple of tuple of str
         Names of the curves or pieces round each surface; None where they are to be found.
-    pressure : mapping of frozenset of str to float
-        By the names of the curves round a surface.
+    pressure, paint : mapping of frozenset of str to mapping of str to object
+        Values of surfaces, by the names of the curves round each.
     tolerance : float
         Greatest distance of a point of the file from its curve, mm.
     details : object
@@ -83,7 +89,8 @@ class Network:
 
     state: ProductState
     loops: tuple[tuple[str, ...], ...] | None
-    pressure: Mapping[frozenset[str], float]
+    pressure: OfSurfaces
+    paint: OfSurfaces
     tolerance: float
     details: object = ()
     scale: float = 1.0
@@ -142,7 +149,8 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     return Network(
         state,
         loops,
-        _pressures(given.get("pressure", {}), rows, again),
+        _of_surfaces(given.get("pressure", {}), "pressure", rows, again, _pressure),
+        _of_surfaces(given.get("paint", {}), "paint", rows, again, _paint),
         tolerance,
         given.get("details", ()),
         UNITS[unit],
@@ -283,17 +291,46 @@ def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, 
     return made
 
 
-def _pressures(
-    value: object, rows: Mapping[str, Array], again: Mapping[str, str]
-) -> dict[frozenset[str], float]:
+def _of_surfaces(
+    value: object,
+    title: str,
+    rows: Mapping[str, Array],
+    again: Mapping[str, str],
+    read: Callable[[object, str], Mapping[str, Any]],
+) -> OfSurfaces:
     made = {}
-    for names, number in an_object(value, "network.pressure").items():
+    for names, given in an_object(value, f"network.{title}").items():
         listed = _names_in(str(names), rows)
         for name in listed:
-            _known(name, "network.pressure", rows)
-        where = f"network.pressure.{str(names)[:40]}"
+            _known(name, f"network.{title}", rows)
+        where = f"network.{title}.{str(names)[:40]}"
         key = frozenset(_first_name(name, where, again) for name in listed)
-        made[key] = a_number(number, where, -2.0, 2.0)
+        made[key] = read(given, where)
+    return made
+
+
+def _pressure(value: object, where: str) -> Mapping[str, Any]:
+    return {"pressure": a_number(value, where, -2.0, 2.0)}
+
+
+def _paint(value: object, where: str) -> Mapping[str, Any]:
+    """Return colour, finish and name of a surface, as far as they are told."""
+    given = an_object(value, where)
+    unknown = sorted(set(map(str, given)) - {"color", "finish", "name"})
+    if unknown:
+        raise UserError(f"“{where}” has a key “{unknown[0][:40]}”. Known are color, finish, name.")
+    made: dict[str, Any] = {}
+    if given.get("color") is not None:
+        made["color"] = a_color(given["color"], f"{where}.color")
+    if "finish" in given:
+        if given["finish"] not in get_args(Finish):
+            raise UserError(f"“{where}.finish” is one of {', '.join(get_args(Finish))}.")
+        made["finish"] = given["finish"]
+    if "name" in given:
+        name = given["name"]
+        if not isinstance(name, str) or not 1 <= len(name.strip()) <= 200:
+            raise UserError(f"“{where}.name” is a text of 1 to 200 letters.")
+        made["name"] = name.strip()
     return made
 
 
