@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
 from bozzetto.scene import Layer, Scene, cast_rays
-from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.corners import CORNER, Corner, corners_of
 from bozzetto_product.operations.fillet import fillet
@@ -37,6 +37,9 @@ REACH: Final = 40.0
 
 LARGEST: Final = 1e5
 """Largest radius, mm; that of the parameter."""
+
+STILL: Final = 3.0
+"""Way of a pen on a dot, px, below which it is a touch: the radius is the one that is set."""
 
 _NOBODY: Final = "There is no corner here. Touch one between the two curves that are meant."
 
@@ -65,11 +68,11 @@ class Fillet(ProductTool):
         """Return the curves after the drag."""
         if not isinstance(gesture, Drag):
             return Scene()
-        before = {curve.id: curve for curve in state.of_kind(Curve)}
+        before, after = splines_of(state), splines_of(_dragged(state, gesture))
         fresh = [
-            polyline(curve.spline)
-            for curve in _dragged(state, gesture).of_kind(Curve)
-            if curve is not before.get(curve.id) and curve.spline is not None
+            polyline(spline)
+            for name, spline in after.items()
+            if name not in before or not _is_same(spline, before[name])
         ]
         return Scene((Layer("rounded", (lines(fresh, "accent", CHOSEN_WIDTH),)),))
 
@@ -101,6 +104,10 @@ class Fillet(ProductTool):
         return changed(state, lambda before: _dragged(before, drag))
 
 
+def _is_same(one: Spline, other: Spline) -> bool:
+    return np.array_equal(one.control_points, other.control_points)
+
+
 def _dragged(state: ProductState, drag: Drag) -> ProductState:
     corner = next(
         (one for one in corners_of(state.joints, splines_of(state)) if one.name == drag.handle),
@@ -108,8 +115,9 @@ def _dragged(state: ProductState, drag: Drag) -> ProductState:
     )
     if corner is None or not drag.handle.startswith(CORNER):
         raise UserError("This corner is not there any more. Drag the dot of another one.")
-    goal = dragged_to(drag, np.array(corner.handle))
-    radius = corner.radius_through(goal)
+    if float(np.ptp(drag.path.points, axis=0).max()) < STILL:
+        return _rounded(state, corner, state.rounding)
+    radius = corner.radius_through(dragged_to(drag, np.array(corner.handle)))
     if not 0.0 < radius <= LARGEST:
         raise UserError("Drag between the two curves: the arc goes where the pen is.")
     return _rounded(replace(state, rounding=radius), corner, radius)

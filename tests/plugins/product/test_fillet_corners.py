@@ -10,8 +10,8 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.plugin import Context, Drag, Job, Tap
-from bozzetto.scene import Handle
-from bozzetto.testing import Pen
+from bozzetto.scene import Handle, Lines
+from bozzetto.testing import Pen, same
 from bozzetto.view import Camera
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint, Meeting
@@ -138,7 +138,7 @@ def test_every_corner_has_a_handle_of_the_tool() -> None:
     assert len(handles) == 8 * len(PAIRS)
 
 
-@pytest.mark.parametrize("radius", [4.0, 11.0])
+@pytest.mark.parametrize("radius", [4.0, 18.0])
 def test_the_arc_goes_where_the_pen_drags_it(radius: float) -> None:
     """Dragged along the bisector to where the middle of the arc of a radius is."""
     state = box()
@@ -169,6 +169,28 @@ def _ways(corner: Corner, state: ProductState) -> tuple[np.ndarray, np.ndarray]:
         far = ends[int(np.argmax(np.linalg.norm(ends - corner.place, axis=1)))]
         ways.append((far - corner.place) / np.linalg.norm(far - corner.place))
     return ways[0], ways[1]
+
+
+def test_a_touch_on_a_dot_takes_the_radius_that_is_set() -> None:
+    state = box()
+    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
+    path = Pen(camera=VIEW).along([(x, y), (x + 0.4, y)])
+    done = Fillet().drag(state, Drag(corner.name, path), Context(camera=VIEW))
+    assert done.rounding == state.rounding
+    by_number, _ = fillet(state, corner.joint, corner.first, corner.second, state.rounding)
+    assert same(done.joints, by_number.joints)
+
+
+def test_the_preview_shows_what_changes_only() -> None:
+    state = box()
+    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
+    path = Pen(camera=VIEW).along([(x, y), (x + 6.0, y)])
+    (layer,) = Fillet().preview(state, Drag(corner.name, path), Context(camera=VIEW)).layers
+    (item,) = layer.items
+    assert isinstance(item, Lines)
+    assert len(item.starts) == 4  # three curves that end in the corner, and the arc
 
 
 @pytest.mark.parametrize("pair", PAIRS)
