@@ -17,7 +17,7 @@ from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.over_curve import NO_CURVE
 from bozzetto_product.tools.product_tool import ProductTool, has_curves, own_surfaces, standing
-from bozzetto_product.view.scene import CHOSEN_WIDTH, edge_lines
+from bozzetto_product.view.scene import CHOSEN_WIDTH, CREASE_TOOL, edge_lines
 
 REACH: Final = 14.0
 """Distance from an edge within which a touch means it, px."""
@@ -29,7 +29,7 @@ LAPS: Final = (0.0, 1.0)
 class SwitchCrease(ProductTool):
     """Switches an edge, which is the piece of a curve between joints, to a crease or to smooth."""
 
-    id = "crease"
+    id = CREASE_TOOL
     title = "Crease"
     icon = "icons/crease.svg"
     group = "Reshape"

@@ -80,6 +80,7 @@ LOOP_TOOL: Final = "loop"
 MOVE_TOOL: Final = "move"
 PLANE_TOOL: Final = "plane"
 FILLET_TOOL: Final = "fillet"
+CREASE_TOOL: Final = "crease"
 """Ids of the tools that show a layer of their own."""
 
 JOIN_TOOL: Final = "join"
@@ -122,6 +123,7 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("joints", tuple(_joints(result))),
             Layer("gaps", tuple(_gaps(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),
+            Layer("creases", tuple(_creases(result)), tool=CREASE_TOOL),
             Layer("corners", tuple(_corners(state, result)), tool=FILLET_TOOL),
             Layer("text handles", tuple(emblem_handles(state, result)), tool=EMBLEM_TOOL),
         ]
@@ -310,6 +312,15 @@ def _handles(state: ProductState, result: ProductResult) -> Iterator[Handle]:
     for part in state.shown(RoughShape):
         if part.id == state.selected:
             yield from size_handles(part)
+
+
+def _creases(result: ProductResult) -> Iterator[Lines]:
+    """Yield the edges of which was said how surfaces meet there: creases, and the others."""
+    for is_crease, color in ((True, "accent"), (False, "second")):
+        edges = [edge for edge in result.net.edges
+                 if np.isfinite(edge.crease) and (edge.crease >= 1.0) == is_crease]  # fmt: skip
+        if edges:
+            yield edge_lines(edges, color, OPEN_WIDTH, OPEN_OPACITY)
 
 
 def _corners(state: ProductState, result: ProductResult) -> Iterator[Handle]:

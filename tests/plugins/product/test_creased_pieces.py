@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.plugin import Context, Job, Tap
+from bozzetto.scene import Lines
 from bozzetto.view import Camera
 from bozzetto_product.hand_over.imported import product_of_network
 from bozzetto_product.model.curves import Curve, Stretch
@@ -86,6 +87,11 @@ def test_a_touch_switches_the_piece_under_the_pen_and_no_other() -> None:
     start = product_of_network(facts())
     once = _tap(start, -15.0, 0.0)
     assert {name for name, (crease, _) in edges_of(once).items() if crease == 1.0} == {"m/1"}
+    scene = ProductModeler().scene(once, solve_product(once, Job()))
+    shown = [layer for layer in scene.layers if layer.tool == "crease"]
+    assert [item.color for layer in shown for item in layer.items if isinstance(item, Lines)] == [
+        "accent"
+    ]
     twice = _tap(once, -15.0, 0.0)
     assert edges_of(twice)["m/1"] == (0.0, True)
     back = _tap(twice, -15.0, 0.0, shift=True)
