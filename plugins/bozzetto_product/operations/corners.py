@@ -65,7 +65,7 @@ class Corner:
         """
         way = np.subtract(self.handle, self.place)
         along = float((goal - self.place) @ way / np.linalg.norm(way))
-        return along / (1.0 / np.sin(0.5 * self.angle) - 1.0)
+        return float(along / (1.0 / np.sin(0.5 * self.angle) - 1.0))
 
 
 def corners_of(joints: Sequence[Joint], splines: Mapping[str, Spline]) -> Iterator[Corner]:

@@ -282,7 +282,7 @@ def _put_together(
         meet for meet in joint.meetings if meet.curve not in (ends[0].curve, ends[1].curve)
     )
     assert fresh.spline is not None
-    at = _share_for(state, joint, others, fresh.spline)
+    share = _share_for(state, joint, others, fresh.spline)
     joints = []
     for one in state.joints:
         if one.id in corners:
@@ -291,14 +291,14 @@ def _put_together(
         elif one.id != joint.id:
             joints.append(one)
         elif others:
-            joints.append(replace(one, meetings=(*others, Meeting(name, at))))
+            joints.append(replace(one, meetings=(*others, Meeting(name, share))))
     state = replace(state.with_node(fresh), joints=tuple(joints))
 
     def change(boundary: Boundary) -> Boundary:
         return _round_the_corner(boundary, waste, corners, name)
 
     state = without_idle_joints(delete_curves(with_boundaries(state, change), *waste))
-    pins = {joint.id: place_at(fresh.spline, at)} if others else {}
+    pins = {joint.id: place_at(fresh.spline, share)} if others else {}
     return settled_state(state, {}, pins), name
 
 
