@@ -35,8 +35,8 @@ def all_tools() -> Sequence[Tool[ProductState]]:
         Pull(),
         Redraw(),
         Split(),
-        Fillet(),
-        SwitchCrease(),
         Join(),
         SetPlane(),
+        Fillet(),
+        SwitchCrease(),
     )
