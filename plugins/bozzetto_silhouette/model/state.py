@@ -365,6 +365,7 @@ class SilhouetteState(PartsState):
             "Paint colour",
             help="What Paint gives to whole parts, and Brush to what it goes over; none takes it "
             "away.",
+            tools=("paint", "brush"),
         ),
     ] = (196, 74, 54)
     brush_size: Annotated[
@@ -377,6 +378,7 @@ class SilhouetteState(PartsState):
             unit="px",
             help="Width of the brush on the sheet where the pen is pressed hard; zoom in to paint "
             "finer.",
+            tools=("brush",),
         ),
     ] = 24.0
     brush_opacity: Annotated[
@@ -387,6 +389,7 @@ class SilhouetteState(PartsState):
             1.0,
             step=0.05,
             help="How much a stroke of the brush covers what lies under it.",
+            tools=("brush",),
         ),
     ] = 1.0
     brush_softness: Annotated[
@@ -397,6 +400,7 @@ class SilhouetteState(PartsState):
             1.0,
             step=0.02,
             help="How much of the brush's radius its edge takes to fade.",
+            tools=("brush",),
         ),
     ] = 0.2
     mirrored: Annotated[
