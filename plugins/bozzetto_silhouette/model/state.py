@@ -197,15 +197,16 @@ class Part(Node):
         Parameter(
             "Kernel",
             advanced=True,
-            help="The function that makes limbs round; the default keeps thin ones thin.",
+            help="The function that makes limbs round; the default keeps thin ones thin. The compact "
+            "ones are SketchCo's: limbs crumple, as in the paper.",
             idle_while=(("surface", ("variational", "inflation", "straight")),),
             choices=(
                 ("scalis", "Scale-invariant (default)"),
                 ("cauchy", "Cauchy"),
                 ("inverse-cubic", "1 / r³"),
                 ("inverse-quartic", "1 / r⁴"),
-                ("quartic", "Compact quartic"),
-                ("sextic", "Compact sextic"),
+                ("quartic", "Compact quartic, as in SketchCo"),
+                ("sextic", "Compact sextic, as in SketchCo"),
             ),
         ),
     ] = "scalis"
