@@ -197,8 +197,8 @@ class Part(Node):
         Parameter(
             "Kernel",
             advanced=True,
-            help="The function that makes limbs round; the default keeps thin ones thin. The compact "
-            "ones are SketchCo's: limbs crumple, as in the paper.",
+            help="The function that makes limbs round; the default keeps thin ones thin. The "
+            "compact ones are SketchCo's: limbs crumple, as in the paper.",
             idle_while=(("surface", ("variational", "inflation", "straight")),),
             choices=(
                 ("scalis", "Scale-invariant (default)"),
