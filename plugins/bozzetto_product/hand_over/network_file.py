@@ -30,9 +30,9 @@ from bozzetto_product.hand_over.point_fit import (
 )
 from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
 from bozzetto_product.model.appearance import Finish
+from bozzetto_product.model.curve_stretch import with_stretch
 from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.model.stretches import with_stretch
 from bozzetto_product.solve.solver import net_of_state
 
 KEYS: Final = ("curves", "loops", "creases", "pressure", "paint", "details")

@@ -15,10 +15,10 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
+from bozzetto_product.model.curve_stretch import crease_over
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint
 from bozzetto_product.model.planes import Plane
-from bozzetto_product.model.stretches import crease_over
 from bozzetto_product.network.meetings import SAME_PLACE, Cut, CutCurve, NodeKey, cut_curves
 from bozzetto_product.network.net import Edge, Net
 from bozzetto_product.network.reflection import Reflection

@@ -11,11 +11,11 @@ import numpy as np
 from bozzetto.arrays import Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import DEGREE, Spline
+from bozzetto_product.model.curve_stretch import stretches_within, with_stretch
 from bozzetto_product.model.curves import Curve, LaidPlaces, Stretch
 from bozzetto_product.model.joints import Boundary, Joint, Meeting, Run
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.model.stretches import stretches_within, with_stretch
 from bozzetto_product.operations.boundaries import (
     joined_runs,
     joints_in_use,

@@ -8,9 +8,9 @@ from typing import Final
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Gesture, Job, NextStep, Tap, override
 from bozzetto.scene import Layer, Scene
+from bozzetto_product.model.curve_stretch import with_stretch
 from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.model.stretches import with_stretch
 from bozzetto_product.network.net import Edge
 from bozzetto_product.operations.curve_meant import place_under
 from bozzetto_product.solve.result import ProductResult

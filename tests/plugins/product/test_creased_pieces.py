@@ -15,9 +15,9 @@ from bozzetto.plugin import Context, Job, Tap
 from bozzetto.scene import Lines
 from bozzetto.view import Camera
 from bozzetto_product.hand_over.imported import product_of_network
+from bozzetto_product.model.curve_stretch import crease_over, stretches_within, with_stretch
 from bozzetto_product.model.curves import Curve, Stretch
 from bozzetto_product.model.state import ProductState
-from bozzetto_product.model.stretches import crease_over, stretches_within, with_stretch
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.pieces import join_curves, split_curve, turn_curve
 from bozzetto_product.report import report_of
