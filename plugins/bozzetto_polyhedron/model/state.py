@@ -185,6 +185,18 @@ class Body(Part):
             choices=(("light", "Drawn lightly"), ("unmarked", "Drawn like the others")),
         ),
     ] = "light"
+    rounds: Annotated[
+        Literal["clear", "all", "none"],
+        Parameter(
+            "Ellipses",
+            help="What of the drawing is round: ellipses, and arcs between two lines.",
+            choices=(
+                ("clear", "Round where that is clear"),
+                ("all", "Round wherever it may be"),
+                ("none", "Nothing is round"),
+            ),
+        ),
+    ] = "clear"
     wall: Annotated[
         float, Parameter("Sheet", 0.0, 1e4, unit="mm", zero="solid", help="Thickness of its faces.")
     ] = 0.0

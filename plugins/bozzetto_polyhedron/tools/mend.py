@@ -35,7 +35,7 @@ class Mend(ErasingTool):
         """Mend the ink at the mark that is touched."""
         best: tuple[float, Body, LineGraph, Finding] | None = None
         for body in state.shown(Body):
-            graph = graph_of_ink(body.strokes, never)
+            graph = graph_of_ink(body.strokes, body.rounds, never)
             if not graph.health:
                 continue
             marks = on_sheet(body, np.array([each.place for each in graph.health], float))
@@ -54,7 +54,7 @@ class Mend(ErasingTool):
         left = [
             (body, each)
             for body in state.shown(Body)
-            for each in graph_of_ink(body.strokes, never).health
+            for each in graph_of_ink(body.strokes, body.rounds, never).health
         ]
         for body, finding in left:
             if finding.what in MENDABLE:
