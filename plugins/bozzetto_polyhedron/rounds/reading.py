@@ -18,7 +18,7 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.ink import Stroke
 from bozzetto_polyhedron.graph.segments import LIGHT_PRESSURE, is_curved
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse, even_samples, whole_ellipse
-from bozzetto_polyhedron.rounds.ink_samples import InkSamples, directions, ink_samples
+from bozzetto_polyhedron.rounds.ink_samples import MOSTLY, InkSamples, directions, ink_samples
 
 Evidence = Literal["clear", "all", "none"]
 
@@ -53,6 +53,30 @@ LEAST_TANGENT: Final = 0.45
 TANGENT_REACH: Final = 1.4
 """Distance within which ink is tangent to both, in reaches: what is tangent to which place is hard
 to see."""
+
+DASH_REACH: Final = 0.012
+"""Distance, in diagonals, within which dashes lie on one line."""
+
+GAP: Final = 0.35
+"""Largest gap between two halves of an ellipse, in extents of the longer one."""
+
+DASH: Final = 0.06
+"""Longest dash of a straight row, in diagonals."""
+
+DASH_GAP: Final = 0.045
+"""Largest gap between two dashes of one row, in diagonals."""
+
+ROW: Final = 0.007
+"""Distance from a line within which dashes are a row, in diagonals."""
+
+FEWEST_DASHES: Final = 4
+"""Dashes of the shortest row: three of an arc may lie straight."""
+
+BOW: Final = 0.06
+"""Least height of an arc, in lengths of its chord: hands bow lines by 2 to 5 %."""
+
+LEAST_BOW: Final = 0.008
+"""The same in diagonals."""
 
 MOST_RIMS: Final = 24
 """Whole ellipses that are looked for: each may be the template of another rim."""
@@ -222,6 +246,8 @@ class _Reader:
         self.ink: InkSamples = ink_samples(paths, size)
         self.light = _light(strokes, self.ink.lengths)
         self.curved = curved
+        self.bowed = {k for k in range(len(paths)) if k not in curved and _is_bowed(paths[k], size)}
+        self.row_of = _rows(paths, self.ink.lengths, size)
         self.left = set(range(len(paths)))
         self.rims: list[Rim] = []
         self.barrels: list[Barrel] = []
@@ -243,6 +269,18 @@ class _Reader:
             tuple(self.rims), tuple(self.barrels), tuple(self.bends), self.light, self.size
         )
 
+    def _without_rows(self, numbers: Sequence[int]) -> list[int]:
+        """Return strokes without dashes of which most of the row is not among them.
+
+        Of a row that mostly is, all dashes are.
+        """
+        kept = {number for number in numbers if number not in self.row_of}
+        for row in {self.row_of[number] for number in numbers if number in self.row_of}:
+            members = [k for k, each in self.row_of.items() if each == row and k in self.left]
+            if len(set(members) & set(numbers)) >= MOSTLY * len(members):
+                kept |= set(members)
+        return sorted(kept)
+
     def _take(self, numbers: Sequence[int]) -> tuple[int, ...]:
         self.left -= set(numbers)
         return tuple(sorted(set(numbers)))
@@ -260,19 +298,26 @@ class _Reader:
         open_ones = [number for number in sorted(self.curved) if number in self.left][:MOST_ARCS]
         for one, other in combinations(open_ones, 2):
             if one in self.left and other in self.left and len(self.rims) < MOST_RIMS:
-                ends = self.paths[one][[0, -1]], self.paths[other][[0, -1]]
-                gaps = np.linalg.norm(ends[0][:, None] - ends[1], axis=2).min(axis=1)
-                extent = np.linalg.norm(np.ptp(self.paths[one], axis=0))
-                if gaps.max() > 0.4 * extent:
+                if not self._may_close(one, other):
                     continue
                 found = whole_ellipse([self.paths[one], self.paths[other]], self.evidence)
                 if found is not None:
                     self._add_whole(found, [one, other])
 
+    def _may_close(self, one: int, other: int) -> bool:
+        """Whether two strokes go on from one another at both ends, or over one another."""
+        shorter, longer = sorted((one, other), key=lambda k: float(self.ink.lengths[k]))
+        ends, path = self.paths[shorter][[0, -1]], self.paths[longer]
+        gaps = np.linalg.norm(ends[:, None] - path, axis=2).min(axis=1)
+        return bool(gaps.max() < GAP * np.linalg.norm(np.ptp(path, axis=0)))
+
     def _add_whole(self, ellipse: Ellipse, numbers: list[int]) -> None:
         self._take(numbers)
         curve = ellipse.at(np.linspace(0.0, TURN, 73))
-        also = self.ink.lying_along(curve, self._parts_of(curve), 0.6 * self._reach(ellipse), 0.9)
+        parts = self._parts_of(curve)
+        also = self._without_rows(
+            self.ink.lying_along(curve, parts, 0.6 * self._reach(ellipse), 0.9)
+        )
         own = self._take([*numbers, *also])
         self.rims.append(Rim(ellipse, own, True, self._mostly_light(own)))
 
@@ -282,7 +327,9 @@ class _Reader:
         return [
             number
             for number in sorted(self.left)
-            if number in self.curved or self.ink.lengths[number] < SHORT * length
+            if number in self.curved
+            or number in self.bowed
+            or self.ink.lengths[number] < SHORT * length
         ]
 
     def _mostly_light(self, numbers: Sequence[int]) -> bool:
@@ -335,14 +382,30 @@ class _Reader:
     def _tangents(self, ellipse: Ellipse, shift: Array) -> list[int]:
         """Return the strokes that are left and lie on the lines tangent to two rims."""
         found: list[int] = []
-        reach = min(
-            TANGENT_REACH * REACH * self.size, 0.45 * float(np.linalg.norm(ellipse.axes[0]))
+        wide = TANGENT_REACH * min(
+            REACH * self.size, 0.4 * float(np.linalg.norm(ellipse.axes[0]))
         )
+        length = float(np.linalg.norm(shift))
         straight = [number for number in sorted(self.left) if number not in self.curved]
+        short = [number for number in straight if self.ink.lengths[number] < 0.5 * length]
+        long = [number for number in straight if self.ink.lengths[number] >= 0.5 * length]
+        tight = DASH_REACH * self.size
         for line in tangent_lines(ellipse, shift):
-            side = line[0] + np.linspace(0.0, 1.0, 60)[:, None] * (line[1] - line[0])
-            here = self.ink.lying_along(side, straight, reach)
-            if here and self.ink.covered(side, here, reach) >= LEAST_TANGENT:
+            side = line[0] + np.linspace(0.0, 1.0, 60)[:, None] * shift
+            here = self.ink.lying_along(side, long, wide)
+            if not here and short:
+                across = np.array((-shift[1], shift[0])) / length
+                steps = np.arange(-wide, wide + 0.5 * tight, 0.5 * tight)
+                best = max(
+                    steps,
+                    key=lambda step: self.ink.covered(side + step * across, short, tight)
+                    - 0.2 * abs(step) / wide,
+                )
+                here = self._without_rows(
+                    self.ink.lying_along(side + best * across, short, tight, 0.9)
+                )
+                side = side + best * across
+            if here and self.ink.covered(side, here, wide) >= LEAST_TANGENT:
                 found += here
         return sorted(set(found))
 
@@ -356,7 +419,7 @@ class _Reader:
             if not self._is_along_normal(ellipse, shift):
                 continue
             moved = curve + shift
-            own = self.ink.lying_along(moved, parts, 1.25 * reach)
+            own = self._without_rows(self.ink.lying_along(moved, parts, 1.25 * reach))
             if not own or self.ink.covered(moved, own, 1.25 * reach) < SEEN:
                 continue
             if not any(k in self.curved for k in own) and not self._tangents(ellipse, shift):
@@ -378,8 +441,9 @@ class _Reader:
 
     def _find_bends(self) -> None:
         """Find arcs between two lines, with the same arcs on the other side of the body."""
-        arcs = [number for number in sorted(self.curved) if number in self.left][:MOST_ARCS]
-        arcs.sort(key=lambda k: bool(self.light[k]))
+        bent = sorted(self.curved) + sorted(self.bowed)
+        arcs = [number for number in bent if number in self.left][:MOST_ARCS]
+        arcs.sort(key=lambda k: (bool(self.light[k]), k in self.bowed))
         for number in arcs:
             if number in self.left:
                 bend = self._bend(number)
@@ -405,7 +469,7 @@ class _Reader:
         for shift in self.ink.shifts(arc, parts, reach):
             if np.linalg.norm(shift) < LEAST_SHIFT * self.size:
                 continue
-            own = self.ink.lying_along(arc + shift, parts, 1.25 * reach)
+            own = self._without_rows(self.ink.lying_along(arc + shift, parts, 1.25 * reach))
             covered = self.ink.covered(arc + shift, own, 1.25 * reach) if own else 0.0
             support = self._edges_along(shift)
             if covered >= COPIED and support and (best is None or covered > best[0] + 0.15):
@@ -437,7 +501,7 @@ class _Reader:
             way = way / np.linalg.norm(way)
             best: tuple[float, int, Array] | None = None
             for number in sorted(self.left - self.curved):
-                if self.ink.lengths[number] < 0.5 * JOINS * self.size:
+                if self.ink.lengths[number] < DASH * self.size:
                     continue
                 path = self.paths[number]
                 for tip, other in ((path[0], path[-1]), (path[-1], path[0])):
@@ -486,6 +550,65 @@ class _Reader:
             if max(first, second) < 1.4 * reach:
                 found.append(number)
         return found
+
+
+def _is_bowed(path: Array, size: float) -> bool:
+    """Whether a stroke leaves its chord by more than lines of most hands do."""
+    chord = path[-1] - path[0]
+    length = float(np.linalg.norm(chord))
+    if not length > 0.0:
+        return False
+    away = path - path[0]
+    height = float(np.abs(away[:, 0] * chord[1] - away[:, 1] * chord[0]).max()) / length
+    return height > max(BOW * length, LEAST_BOW * size)
+
+
+def _rows(paths: Sequence[Array], lengths: Array, size: float) -> dict[int, int]:
+    """Return for each dash of a straight row the number of its row; the longest rows first."""
+    left = {k for k in range(len(paths)) if 0.0 < lengths[k] < DASH * size}
+    ends = {k: paths[k][[0, -1]] for k in left}
+    found: dict[int, int] = {}
+    for number in range(len(left)):
+        best: list[int] = []
+        for one in sorted(left):
+            for other in sorted(left):
+                if other > one and _apart(ends[one], ends[other]) < DASH_GAP * size:
+                    row = _row_along(ends, left, one, other, size)
+                    best = max(best, row, key=len)
+        if len(best) < FEWEST_DASHES:
+            break
+        found |= dict.fromkeys(best, number)
+        left -= set(best)
+    return found
+
+
+def _apart(one: Array, other: Array) -> float:
+    return float(np.linalg.norm(one[:, None] - other, axis=2).min())
+
+
+def _row_along(
+    ends: dict[int, Array], left: set[int], one: int, other: int, size: float
+) -> list[int]:
+    """Return the dashes on the line of two, from each to the next within a gap."""
+    four = np.concatenate((ends[one], ends[other]))
+    middle = four.mean(axis=0)
+    along = np.linalg.svd(four - middle)[2][0]
+    across = np.array((-along[1], along[0]))
+    spans = []
+    for number in left:
+        away = ends[number] - middle
+        if float(np.abs(away @ across).max()) < ROW * size:
+            low, high = sorted((away @ along).tolist())
+            spans.append((low, high, number))
+    spans.sort()
+    rows: list[list[int]] = [[]]
+    reached = -np.inf
+    for low, high, number in spans:
+        if low - reached > DASH_GAP * size:
+            rows.append([])
+        rows[-1].append(number)
+        reached = max(reached, high)
+    return max((row for row in rows if one in row), key=len, default=[])
 
 
 def tangent_lines(ellipse: Ellipse, shift: Array) -> Array:

@@ -20,6 +20,9 @@ from bozzetto_polyhedron.rounds.reading import Barrel, Evidence, Reading, read
 SAMPLES: Final = 24
 """Points of a straight stroke in the place of something round."""
 
+OVER: Final = 0.5
+"""How far a line that goes on from dashes runs over them, in lengths of it."""
+
 FEWEST_LINES: Final = 5
 """Straight strokes that are left, below which a drawing is of cylinders alone: six edges bound the
 simplest solid."""
@@ -121,7 +124,7 @@ def straightened(strokes: Strokes, evidence: Evidence) -> Straightened:
     for bend in reading.bends:
         for stroke, at, corner in bend.ends:
             if stroke < 0:
-                made.append((pens.line(at, corner, bend.light[1]), -1))
+                made.append((pens.line(at - OVER * (corner - at), corner, bend.light[1]), -1))
         far = bend.corners + bend.shift
         for one, other in zip(bend.corners, far, strict=True):
             made.append((pens.line(one, other, any(bend.light)), -1))

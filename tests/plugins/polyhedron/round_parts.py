@@ -158,9 +158,7 @@ def link(rng, both=True, bored=True):
     turn = np.linspace(-np.pi / 2, np.pi / 2, FACETS // 2 + 1)
     right = np.column_stack((length + r * np.cos(turn), r * np.sin(turn)))
     left = np.column_stack((-r * np.cos(turn[::-1]), r * np.sin(turn[::-1])))
-    outline = np.vstack((right, left[:: -1] * (1, -1)[0] if False else left)) if both else np.vstack(
-        (right, [(0.0, r), (0.0, -r)])
-    )
+    outline = np.vstack((right, left if both else [(0.0, r), (0.0, -r)]))
     solid = _plate(outline, z)
     walls = [(*_up(length, 0, 0, r, z, -np.pi / 2, np.pi / 2), False)]
     lines = [((0, s * r, k), (length, s * r, k)) for s in (-1, 1) for k in (0, z)]
@@ -242,6 +240,10 @@ PARTS: dict[str, Callable] = {
 }
 
 
+TOWARD_EYE = ("round pocket", "cylinder on a box", "boss with a hole", "wheel on an axle")
+"""Parts of which what is round is on one side, which is drawn so that it is seen."""
+
+
 def round_view(name: str, seed: int) -> RoundView | None:
     """See a part by chance from a random side; None where corners lie on one another."""
     for number in range(60):
@@ -250,6 +252,9 @@ def round_view(name: str, seed: int) -> RoundView | None:
         shift = int(rng.integers(3))
         turn = _rotation(rng)
         flipped = 1.0 if rng.random() < 0.5 else -1.0
+        if name in TOWARD_EYE:
+            outward = np.roll((0.0, 0.0, flipped), shift) @ turn.T
+            flipped = flipped if outward[2] < 0.0 else -flipped
 
         def seen(points, shift=shift, turn=turn, flipped=flipped):
             points = np.asarray(points, float).reshape(-1, 3)
@@ -395,8 +400,6 @@ def _drawn_arc(seen, arc, hand, rng, hidden_rims):
     """An arc in its runs that are seen and that are not; each run is jittered by itself."""
     angles = np.linspace(arc.begin, arc.end, 121)
     places = arc.at(angles)
-    away = places - seen.triangles.mean((0, 1))
-    del away
     unseen = hidden(seen, places + np.array((0.0, 0.0, -1e-4)))
     runs = []
     start = 0
