@@ -69,6 +69,9 @@ DASH_GAP: Final = 0.045
 ROW: Final = 0.007
 """Distance from a line within which dashes are a row, in diagonals."""
 
+MOST_DASHES, MOST_PAIRS = 300, 600
+"""Dashes among which rows are sought, and pairs of them that begin one."""
+
 FEWEST_DASHES: Final = 4
 """Dashes of the shortest row: three of an arc may lie straight."""
 
@@ -99,8 +102,14 @@ GOES_ON: Final = np.cos(np.radians(35.0))
 TURNED_BACK: Final = np.cos(np.radians(30.0))
 """Cosine of the angle between two lines within which the arc between them is a half turn."""
 
-COPIED: Final = 0.5
-"""Least share of the copy of an arc that is drawn."""
+LINE_THERE: Final = 0.4
+"""What a line that ends at the copy of an arc counts, in shares of the arc that are drawn."""
+
+ENOUGH: Final = 0.62
+"""Such shares from which on there is a copy: most of the arc, or both lines, or both halves."""
+
+PARALLEL: Final = np.cos(np.radians(12.0))
+"""Cosine of the angle within which lines are parallel on the sheet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -452,71 +461,89 @@ class _Reader:
                     self.bends.append(bend)
 
     def _bend(self, number: int) -> Bend | None:
+        """Return the rounded corner or end that an arc is; None where it is neither.
+
+        Where the other arc is, is told by its own ink, as much of it as is drawn, and by the lines
+        that end there as they end at this one.
+        """
         arc = even_samples([self.paths[number]], 40)
         ways = directions(arc)
         turns = np.unwrap(np.arctan2(ways[:, 1], ways[:, 0]))
         if not LEAST_ARC < abs(turns[-3] - turns[2]) < MOST_ARC:
             return None
-        lines = self._lines_at(arc, np.zeros(2))
-        if lines is None or -1 in [stroke for stroke, _, _ in lines]:
+        straight = self._straight()
+        lines = [_line_at(straight, place, way, JOINS * self.size) for place, way in _ends(arc)]
+        if None in lines or lines[0] is lines[1]:
             return None
-        corners = _corners(arc, lines)
+        first, second = (each for each in lines if each is not None)
+        corners = _corners(arc, first, second)
         if corners is None:
             return None
         parts = [k for k in self._parts_of(arc) if k != number]
         reach = min(REACH * self.size, 0.3 * float(np.linalg.norm(arc[-1] - arc[0])))
-        best: tuple[float, Array, list[int]] | None = None
-        for shift in self.ink.shifts(arc, parts, reach):
-            if np.linalg.norm(shift) < LEAST_SHIFT * self.size:
+        rest = [each for each in straight if each.line is not first.line
+                and each.line is not second.line]  # fmt: skip
+        best: tuple[float, Array, list[int], list[_End | None]] | None = None
+        for shift in self._shifts(arc, (first, second), rest, parts, reach):
+            if not self._edges_along(shift):
                 continue
             own = self._without_rows(self.ink.lying_along(arc + shift, parts, 1.25 * reach))
-            covered = self.ink.covered(arc + shift, own, 1.25 * reach) if own else 0.0
-            support = self._edges_along(shift)
-            if covered >= COPIED and support and (best is None or covered > best[0] + 0.15):
-                best = covered, shift, own
+            score = self.ink.covered(arc + shift, own, 1.25 * reach) if own else 0.0
+            there: list[_End | None] = []
+            for place, end in zip((arc[0], arc[-1]), (first, second), strict=True):
+                left = [each for each in rest if not there or each is not there[0]]
+                there.append(_line_at(left, place + shift, end.way, 0.8 * JOINS * self.size))
+            for place, line in zip((arc[0], arc[-1]), there, strict=True):
+                if line is not None:
+                    off = float(np.linalg.norm(line.place - place - shift))
+                    score += LINE_THERE * (1.0 - 0.3 * off / (JOINS * self.size))
+            if score >= ENOUGH and (best is None or score > best[0] + 1e-9):
+                best = score, shift, own, there
         if best is None:
             return None
-        _, shift, own = best
-        behind = self._lines_at(arc, shift)
-        if behind is None:
-            return None
+        _, shift, own, behind = best
         places = [corners[min(k, len(corners) - 1)] for k in range(2)]
-        ends = [(s, at, place) for (s, at, _), place in zip(lines, places, strict=True)]
-        ends += [(s, at, place + shift) for (s, at, _), place in zip(behind, places, strict=True)]
-        sides = self._sides_of(arc, shift, {s for s, _, _ in ends})
-        light = bool(self.light[number]), self._mostly_light(own)
+        ends = [(each.number, at, place)
+                for each, at, place in zip((first, second), arc[[0, -1]], places, strict=True)]  # fmt: skip
+        ends += [(-1 if each is None else each.number, at + shift, place + shift)
+                 for each, at, place in zip(behind, arc[[0, -1]], places, strict=True)]  # fmt: skip
+        kept = {each.number for each in (first, second, *behind) if each is not None}
+        sides = self._sides_of(arc, shift, kept)
+        own_light = self._mostly_light(own) if own else True
+        light = bool(self.light[number]), own_light
         strokes = tuple(sorted({number, *own, *sides}))
         return Bend(arc, corners, shift, tuple(ends), strokes, light)
 
-    def _lines_at(self, arc: Array, shift: Array) -> list[tuple[int, Array, Array]] | None:
-        """Return the lines that go on at both ends of an arc, or where it was moved to.
+    def _shifts(
+        self,
+        arc: Array,
+        lines: tuple[_End, _End],
+        rest: list[_End],
+        parts: list[int],
+        reach: float,
+    ) -> list[Array]:
+        """Return where the other arc may be, from this one: by its ink, and by lines that end."""
+        found = self.ink.shifts(arc, parts, reach)
+        for place, line in zip((arc[0], arc[-1]), lines, strict=True):
+            for each in rest:
+                if float(each.way @ line.way) > PARALLEL:
+                    found.append(each.place - place)
+        return [each for each in found if np.linalg.norm(each) > LEAST_SHIFT * self.size]
 
-        Of each the number of its stroke, the end of the arc, and the direction away from it. Where
-        the arc was moved, the number is −1 where dashes go on, and None is never returned.
-        """
-        ways = directions(arc)
+    def _straight(self) -> list[_End]:
+        """Return both ends of every straight stroke that is left, and of every row of dashes."""
         found = []
-        moved = bool(shift.any())
-        for end, way in ((arc[0], -ways[:4].mean(axis=0)), (arc[-1], ways[-4:].mean(axis=0))):
-            way = way / np.linalg.norm(way)
-            best: tuple[float, int, Array] | None = None
-            for number in sorted(self.left - self.curved):
-                if self.ink.lengths[number] < DASH * self.size:
-                    continue
-                path = self.paths[number]
-                for tip, other in ((path[0], path[-1]), (path[-1], path[0])):
-                    span = other - tip
-                    apart = float(np.linalg.norm(tip - end - shift))
-                    if apart > JOINS * self.size or not np.linalg.norm(span) > 0.0:
-                        continue
-                    if span @ way > GOES_ON * np.linalg.norm(span) and (
-                        best is None or apart < best[0]
-                    ):
-                        best = apart, number, span / np.linalg.norm(span)
-            if best is None and not moved:
-                return None
-            number, direction = (-1, way) if best is None else best[1:]
-            found.append((number, end + shift, direction))
+        for number in sorted(self.left - self.curved):
+            if number not in self.row_of and self.ink.lengths[number] >= DASH * self.size:
+                found += _both_ends(number, self.paths[number][[0, -1]])
+        for row in sorted(set(self.row_of.values())):
+            members = [k for k, each in self.row_of.items() if each == row and k in self.left]
+            if len(members) < 2:
+                continue
+            points = np.concatenate([self.paths[k][[0, -1]] for k in members])
+            along = np.linalg.svd(points - points.mean(axis=0))[2][0]
+            at = points @ along
+            found += _both_ends(-1, points[[int(at.argmin()), int(at.argmax())]])
         return found
 
     def _edges_along(self, shift: Array) -> bool:
@@ -565,25 +592,27 @@ def _is_bowed(path: Array, size: float) -> bool:
 
 def _rows(paths: Sequence[Array], lengths: Array, size: float) -> dict[int, int]:
     """Return for each dash of a straight row the number of its row; the longest rows first."""
-    left = {k for k in range(len(paths)) if 0.0 < lengths[k] < DASH * size}
-    ends = {k: paths[k][[0, -1]] for k in left}
+    dashes = [k for k in range(len(paths)) if 0.0 < lengths[k] < DASH * size][:MOST_DASHES]
+    ends = {k: paths[k][[0, -1]] for k in dashes}
+    both = np.array([ends[k] for k in dashes]).reshape(-1, 2, 2)
+    apart = np.linalg.norm(both[:, None, :, None] - both[:, None], axis=4).min(axis=(2, 3))
+    pairs = [(dashes[i], dashes[j]) for i, j in np.argwhere(np.triu(apart < DASH_GAP * size, 1))]
+    left = set(dashes)
     found: dict[int, int] = {}
-    for number in range(len(left)):
-        best: list[int] = []
-        for one in sorted(left):
-            for other in sorted(left):
-                if other > one and _apart(ends[one], ends[other]) < DASH_GAP * size:
-                    row = _row_along(ends, left, one, other, size)
-                    best = max(best, row, key=len)
+    rows = {pair: _row_along(ends, left, *pair, size) for pair in pairs[:MOST_PAIRS]}
+    while rows:
+        pair = max(rows, key=lambda each: (len(rows[each]), -each[0], -each[1]))
+        best = rows[pair]
         if len(best) < FEWEST_DASHES:
             break
-        found |= dict.fromkeys(best, number)
+        found |= dict.fromkeys(best, pair[0])
         left -= set(best)
+        rows = {
+            each: row if not set(row) & set(best) else _row_along(ends, left, *each, size)
+            for each, row in rows.items()
+            if each[0] in left and each[1] in left
+        }
     return found
-
-
-def _apart(one: Array, other: Array) -> float:
-    return float(np.linalg.norm(one[:, None] - other, axis=2).min())
 
 
 def _row_along(
@@ -619,9 +648,49 @@ def tangent_lines(ellipse: Ellipse, shift: Array) -> Array:
     return np.stack((begin, begin + shift), axis=1)
 
 
-def _corners(arc: Array, lines: list[tuple[int, Array, Array]]) -> Array | None:
+@dataclass(frozen=True, eq=False)
+class _End:
+    """An end of a straight stroke, or of a row of dashes: the number is −1 then."""
+
+    number: int
+    line: Array
+    place: Array
+    way: Array
+
+
+def _both_ends(number: int, line: Array) -> list[_End]:
+    """Return both ends of a line, (2, 2); each way leads from the end along the line."""
+    span = line[1] - line[0]
+    length = float(np.linalg.norm(span))
+    if not length > 0.0:
+        return []
+    way = span / length
+    return [_End(number, line, line[0], way), _End(number, line, line[1], -way)]
+
+
+def _ends(arc: Array) -> list[tuple[Array, Array]]:
+    """Return both ends of an arc, each with the direction in which a line would go on."""
+    ways = directions(arc)
+    before, after = -ways[:4].mean(axis=0), ways[-4:].mean(axis=0)
+    return [
+        (arc[0], before / np.linalg.norm(before)),
+        (arc[-1], after / np.linalg.norm(after)),
+    ]
+
+
+def _line_at(lines: Sequence[_End], place: Array, way: Array, reach: float) -> _End | None:
+    """Return the nearest of some ends from which a line goes on where something else ends."""
+    best: tuple[float, _End] | None = None
+    for each in lines:
+        apart = float(np.linalg.norm(each.place - place))
+        if apart < (reach if best is None else best[0]) and float(each.way @ way) > GOES_ON:
+            best = apart, each
+    return None if best is None else best[1]
+
+
+def _corners(arc: Array, begin: _End, end: _End) -> Array | None:
     """Return where the lines at both ends of an arc would meet, or the corners of a square end."""
-    (_, first, one), (_, second, other) = lines
+    first, one, second, other = begin.place, begin.way, end.place, end.way
     if float(one @ other) > TURNED_BACK:
         forward = -(one + other)
         forward = forward / np.linalg.norm(forward)
