@@ -75,11 +75,27 @@ MOST_DASHES, MOST_PAIRS = 300, 600
 FEWEST_DASHES: Final = 4
 """Dashes of the shortest row: three of an arc may lie straight."""
 
-BOW: Final = 0.06
-"""Least height of an arc, in lengths of its chord: hands bow lines by 2 to 5 %."""
+BOW: Final = 0.045
+"""Least height of an arc, in lengths of its chord."""
 
-LEAST_BOW: Final = 0.008
-"""The same in diagonals."""
+LEAST_BOW: Final = 0.005
+"""The same in diagonals: hands bow lines by 0.6 %."""
+
+BOW_OFF: Final = 0.012
+"""Largest difference of the height of an arc from that of a circle between the same lines, in
+diagonals."""
+
+BOW_SHARE: Final = 0.5
+"""Least share of that height."""
+
+BEVEL: Final = 0.75
+"""Share of the chord of an arc from which on a straight line in its place is a bevel."""
+
+UNDRAWN: Final = 0.15
+"""Share of the other arc below which nothing of it is drawn."""
+
+LEAST_BEND: Final = np.radians(20.0)
+"""Least angle, on the sheet, between the lines at an arc that is no more than bowed."""
 
 MOST_RIMS: Final = 24
 """Whole ellipses that are looked for: each may be the template of another rim."""
@@ -228,7 +244,7 @@ def read(strokes: Sequence[Stroke], evidence: Evidence) -> Reading | None:
         for number, stroke in enumerate(strokes)
         if len(paths[number]) >= FEWEST and (is_curved(stroke, size) or _closes(paths[number]))
     }
-    if not curved:
+    if not curved and not any(_is_bowed(path, size) for path in paths):
         return None
     return _Reader(strokes, paths, size, curved, evidence).read()
 
@@ -305,13 +321,17 @@ class _Reader:
                 if found is not None:
                     self._add_whole(found, [number])
         open_ones = [number for number in sorted(self.curved) if number in self.left][:MOST_ARCS]
+        pairs = []
         for one, other in combinations(open_ones, 2):
-            if one in self.left and other in self.left and len(self.rims) < MOST_RIMS:
-                if not self._may_close(one, other):
-                    continue
-                found = whole_ellipse([self.paths[one], self.paths[other]], self.evidence)
+            if self._may_close(one, other):
+                paths = [self.paths[one], self.paths[other]]
+                found = whole_ellipse(paths, self.evidence)
                 if found is not None:
-                    self._add_whole(found, [one, other])
+                    off = np.abs(found.distances(even_samples(paths))).mean() / found.radius
+                    pairs.append((float(off), one, other, found))
+        for _, one, other, found in sorted(pairs, key=lambda each: each[:3]):
+            if {one, other} <= self.left and len(self.rims) < MOST_RIMS:
+                self._add_whole(found, [one, other])
 
     def _may_close(self, one: int, other: int) -> bool:
         """Whether two strokes go on from one another at both ends, or over one another."""
@@ -400,7 +420,7 @@ class _Reader:
         long = [number for number in straight if self.ink.lengths[number] >= 0.5 * length]
         tight = DASH_REACH * self.size
         for line in tangent_lines(ellipse, shift):
-            side = line[0] + np.linspace(0.0, 1.0, 60)[:, None] * shift
+            side = line[0] + np.linspace(-0.1, 1.1, 72)[:, None] * shift
             here = self.ink.lying_along(side, long, wide)
             if not here and short:
                 across = np.array((-shift[1], shift[0])) / length
@@ -469,7 +489,8 @@ class _Reader:
         arc = even_samples([self.paths[number]], 40)
         ways = directions(arc)
         turns = np.unwrap(np.arctan2(ways[:, 1], ways[:, 0]))
-        if not LEAST_ARC < abs(turns[-3] - turns[2]) < MOST_ARC:
+        bowed = number in self.bowed
+        if not bowed and not LEAST_ARC < abs(turns[-3] - turns[2]) < MOST_ARC:
             return None
         straight = self._straight()
         lines = [_line_at(straight, place, way, JOINS * self.size) for place, way in _ends(arc)]
@@ -477,7 +498,7 @@ class _Reader:
             return None
         first, second = (each for each in lines if each is not None)
         corners = _corners(arc, first, second)
-        if corners is None:
+        if corners is None or (bowed and not self._is_as_round(arc, first, second)):
             return None
         parts = [k for k in self._parts_of(arc) if k != number]
         reach = min(REACH * self.size, 0.3 * float(np.linalg.norm(arc[-1] - arc[0])))
@@ -489,6 +510,8 @@ class _Reader:
                 continue
             own = self._without_rows(self.ink.lying_along(arc + shift, parts, 1.25 * reach))
             score = self.ink.covered(arc + shift, own, 1.25 * reach) if own else 0.0
+            if bowed and score > UNDRAWN and not self._is_round_too(own, first, second):
+                continue
             there: list[_End | None] = []
             for place, end in zip((arc[0], arc[-1]), (first, second), strict=True):
                 left = [each for each in rest if not there or each is not there[0]]
@@ -513,6 +536,38 @@ class _Reader:
         light = bool(self.light[number]), own_light
         strokes = tuple(sorted({number, *own, *sides}))
         return Bend(arc, corners, shift, tuple(ends), strokes, light)
+
+    def _is_as_round(self, arc: Array, first: _End, second: _End) -> bool:
+        """Whether an arc is as high above its chord as a circle tangent to both lines would be.
+
+        With the turn of the lines θ and the length of the chord c that is ½ c tan θ/4.
+        """
+        turn = np.pi - float(np.arccos(np.clip(first.way @ second.way, -1.0, 1.0)))
+        if len(arc) < FEWEST or turn < LEAST_BEND:
+            return False
+        chord = arc[-1] - arc[0]
+        length = float(np.linalg.norm(chord))
+        away = arc - arc[0]
+        heights = (away[:, 0] * chord[1] - away[:, 1] * chord[0]) / max(length, 1e-9)
+        outward = -(first.way + second.way)
+        side = -1.0 if outward[0] * chord[1] - outward[1] * chord[0] > 0 else 1.0
+        height = float((-side * heights).max())
+        meant = 0.5 * length * float(np.tan(0.25 * turn))
+        return height > BOW_SHARE * meant and abs(height - meant) < BOW_OFF * self.size
+
+    def _is_round_too(self, own: Sequence[int], first: _End, second: _End) -> bool:
+        """Whether the ink of the other arc is bent as well: that of a bevel is straight."""
+        chord = float(np.linalg.norm(first.place - second.place))
+        spans = {k: self.paths[k][[0, -1]] for k in own if k not in self.row_of}
+        for row in {self.row_of[k] for k in own if k in self.row_of}:
+            ends = np.concatenate([self.paths[k][[0, -1]] for k in own if self.row_of.get(k) == row])
+            if float(np.linalg.norm(np.ptp(ends, axis=0))) > BEVEL * chord:
+                return False
+        return all(
+            k in self.curved or k in self.bowed
+            for k, ends in spans.items()
+            if float(np.linalg.norm(ends[1] - ends[0])) > BEVEL * chord
+        )
 
     def _shifts(
         self,
