@@ -124,6 +124,9 @@ LINE_THERE: Final = 0.4
 ENOUGH: Final = 0.62
 """Such shares from which on there is a copy: most of the arc, or both lines, or both halves."""
 
+ALONG: Final = 0.97
+"""Cosine of the angle within which an edge runs along a shift."""
+
 PARALLEL: Final = np.cos(np.radians(12.0))
 """Cosine of the angle within which lines are parallel on the sheet."""
 
@@ -578,7 +581,7 @@ class _Reader:
         reach: float,
     ) -> list[Array]:
         """Return where the other arc may be, from this one: by its ink, and by lines that end."""
-        found = self.ink.shifts(arc, parts, reach)
+        found = [*self.ink.shifts(arc, parts, reach), *(bend.shift for bend in self.bends)]
         for place, line in zip((arc[0], arc[-1]), lines, strict=True):
             for each in rest:
                 if float(each.way @ line.way) > PARALLEL:
@@ -590,7 +593,7 @@ class _Reader:
         found = []
         for number in sorted(self.left - self.curved):
             if number not in self.row_of and self.ink.lengths[number] >= DASH * self.size:
-                found += _both_ends(number, self.paths[number][[0, -1]])
+                found += _both_ends(number, self.paths[number][[0, -1]], (number,))
         for row in sorted(set(self.row_of.values())):
             members = [k for k, each in self.row_of.items() if each == row and k in self.left]
             if len(members) < 2:
@@ -598,39 +601,44 @@ class _Reader:
             points = np.concatenate([self.paths[k][[0, -1]] for k in members])
             along = np.linalg.svd(points - points.mean(axis=0))[2][0]
             at = points @ along
-            found += _both_ends(-1, points[[int(at.argmin()), int(at.argmax())]])
+            tips = points[[int(at.argmin()), int(at.argmax())]]
+            found += _both_ends(-1, tips, tuple(members))
         return found
 
     def _edges_along(self, shift: Array) -> bool:
-        """Whether a straight stroke is as long as a shift and runs along it."""
+        """Whether a straight stroke or a row of dashes is as long as a shift and runs along it.
+
+        What is tangent to both arcs of another corner counts as well.
+        """
         length = float(np.linalg.norm(shift))
-        for number in self.left - self.curved:
+        for number in set(range(len(self.paths))) - self.curved:
             span = self.paths[number][-1] - self.paths[number][0]
             along = abs(float(span @ shift)) / length
-            if along > 0.5 * length and along > 0.97 * np.linalg.norm(span):
+            if along > 0.5 * length and along > ALONG * np.linalg.norm(span):
                 return True
-        rows = self.ink.of(self.left - self.curved)
-        ways = self.ink.along[rows]
-        running = np.abs(ways @ (shift / length)) > 0.97
-        return bool(running.sum() * self.size / 160.0 > 0.5 * length)
+        return any(
+            abs(float(each.way @ shift)) > ALONG * length
+            and np.linalg.norm(each.line[1] - each.line[0]) > 0.5 * length
+            for each in self._straight()
+        )
 
     def _sides_of(self, arc: Array, shift: Array, kept: set[int]) -> list[int]:
         """Return straight strokes from one arc to the other: no edge, for the body is smooth."""
-        straight = [k for k in sorted(self.left - self.curved) if k not in kept]
-        reach = REACH * self.size
         length = float(np.linalg.norm(shift))
-        found = []
-        for number in straight:
-            path = self.paths[number]
-            span = path[-1] - path[0]
+        reach = 1.4 * REACH * self.size
+        found: list[int] = []
+        for each in self._straight()[::2]:
+            span = each.line[1] - each.line[0]
             extent = float(np.linalg.norm(span))
-            if extent < 0.6 * length or abs(float(span @ shift)) < 0.93 * extent * length:
+            if each.number in kept - {-1} or extent < 0.6 * length:
                 continue
-            ends = (path[0], path[-1]) if span @ shift > 0 else (path[-1], path[0])
-            first = np.linalg.norm(arc - ends[0], axis=1).min()
-            second = np.linalg.norm(arc + shift - ends[1], axis=1).min()
-            if max(first, second) < 1.4 * reach:
-                found.append(number)
+            if abs(float(span @ shift)) < 0.93 * extent * length:
+                continue
+            begin, end = each.line if span @ shift > 0 else each.line[::-1]
+            first = np.linalg.norm(arc - begin, axis=1).min()
+            second = np.linalg.norm(arc + shift - end, axis=1).min()
+            if max(first, second) < reach:
+                found += each.members
         return found
 
 
@@ -711,16 +719,20 @@ class _End:
     line: Array
     place: Array
     way: Array
+    members: tuple[int, ...]
 
 
-def _both_ends(number: int, line: Array) -> list[_End]:
+def _both_ends(number: int, line: Array, members: tuple[int, ...]) -> list[_End]:
     """Return both ends of a line, (2, 2); each way leads from the end along the line."""
     span = line[1] - line[0]
     length = float(np.linalg.norm(span))
     if not length > 0.0:
         return []
     way = span / length
-    return [_End(number, line, line[0], way), _End(number, line, line[1], -way)]
+    return [
+        _End(number, line, line[0], way, members),
+        _End(number, line, line[1], -way, members),
+    ]
 
 
 def _ends(arc: Array) -> list[tuple[Array, Array]]:
