@@ -18,7 +18,7 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.ink import Stroke
 from bozzetto_polyhedron.graph.segments import LIGHT_PRESSURE, is_curved
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse, even_samples, whole_ellipse
-from bozzetto_polyhedron.rounds.ink_samples import MOSTLY, InkSamples, directions, ink_samples
+from bozzetto_polyhedron.rounds.ink_samples import InkSamples, directions, ink_samples
 
 Evidence = Literal["clear", "all", "none"]
 
@@ -74,6 +74,10 @@ MOST_DASHES, MOST_PAIRS = 300, 600
 
 FEWEST_DASHES: Final = 4
 """Dashes of the shortest row: three of an arc may lie straight."""
+
+OF_ROW: Final = 0.6
+"""Share of a row of dashes that lies along a curve for all of it to be part of that: a dash of a rim
+may lie in the row of a line that touches it."""
 
 BOW: Final = 0.045
 """Least height of an arc, in lengths of its chord."""
@@ -305,7 +309,7 @@ class _Reader:
         kept = {number for number in numbers if number not in self.row_of}
         for row in {self.row_of[number] for number in numbers if number in self.row_of}:
             members = [k for k, each in self.row_of.items() if each == row and k in self.left]
-            if len(set(members) & set(numbers)) >= MOSTLY * len(members):
+            if len(set(members) & set(numbers)) >= OF_ROW * len(members):
                 kept |= set(members)
         return sorted(kept)
 
@@ -481,7 +485,17 @@ class _Reader:
                 bend = self._bend(number)
                 if bend is not None:
                     self._take(bend.strokes)
-                    self.bends.append(bend)
+                    if not self._is_known(bend):
+                        self.bends.append(bend)
+
+    def _is_known(self, bend: Bend) -> bool:
+        """Whether another arc has rounded the same edge."""
+        corners = np.concatenate((bend.corners, bend.corners + bend.shift))
+        return any(
+            np.linalg.norm(corners[:, None] - known, axis=2).min() < JOINS * self.size
+            for each in self.bends
+            for known in (np.concatenate((each.corners, each.corners + each.shift)),)
+        )
 
     def _bend(self, number: int) -> Bend | None:
         """Return the rounded corner or end that an arc is; None where it is neither.

@@ -291,11 +291,37 @@ def round_view(name: str, seed: int) -> RoundView | None:
     return None
 
 
+def square_lines(walls):
+    """Return lines along the edges that arcs round off, and along square ends, (m, 2, 3)."""
+    found = []
+    for arc, along, _ in walls:
+        if arc.whole:
+            continue
+        begin, end = arc.at(np.array((arc.begin, arc.end)))
+        half = 0.5 * (arc.begin + arc.end)
+        if arc.end - arc.begin < 2.0:
+            corners = [begin + end - arc.center]
+        else:
+            outward = arc.at(np.array([half]))[0] - arc.center
+            corners = [begin + outward, end + outward]
+            found += [(corners[0] + k * along, corners[1] + k * along) for k in (0.0, 1.0)]
+        found += [(corner, corner + along) for corner in corners]
+    return np.array(found).reshape(-1, 2, 3)
+
+
 def _is_general(lines, walls):
+    """Whether corners, rounded ones too, are apart on the sheet, and off lines of others."""
+    lines = np.concatenate((lines, square_lines(walls)))
     if len(lines):
-        ends = np.unique(np.round(lines.reshape(-1, 3), 9), axis=0)
-        apart = np.linalg.norm(ends[:, None, :2] - ends[:, :2], axis=2) + np.eye(len(ends))
-        if apart.min() < 0.04:
+        ends = np.unique(np.round(lines.reshape(-1, 3), 9), axis=0)[:, :2]
+        apart = np.linalg.norm(ends[:, None] - ends, axis=2) + np.eye(len(ends))
+        if apart.min() < 0.03:
+            return False
+        begin, span = lines[:, 0, :2], lines[:, 1, :2] - lines[:, 0, :2]
+        share = ((ends[:, None] - begin) * span).sum(2) / (span**2).sum(1)
+        foot = begin + np.clip(share, 0, 1)[..., None] * span
+        away = np.linalg.norm(ends[:, None] - foot, axis=2)
+        if ((away < 0.012) & (share > 0.02) & (share < 0.98)).any():
             return False
     for arc, along, _ in walls:
         normal = np.cross(arc.first, arc.second)
