@@ -30,11 +30,13 @@ from bozzetto_polyhedron.solid.triangulation import within_face
 SAMPLES: Final = 72
 """Points of an ellipse that are laid on a face."""
 
-INSIDE: Final = 0.85
-"""Share of a rim that lies within its face: a hand draws it over the border by a hair."""
+INSIDE, INSIDE_SEEN = 0.85, 0.7
+"""Least share of a rim that lies within its face: a hand draws it over the border by a hair. The
+second where the face is the one that is seen at its centre."""
 
-FITS: Final = 0.12
-"""Largest deviation from a circle of a rim on its face, in radii."""
+FITS, FITS_SEEN = 0.12, 0.25
+"""Largest deviation from a circle of a rim on its face, in radii; the second on the face that is
+seen at its centre: small ellipses are drawn too wide or too narrow by a quarter."""
 
 NEAR: Final = 0.2
 """Difference from the depth of the whole wall, in depths, up to which a hole is meant through."""
@@ -223,12 +225,13 @@ def _on_face(
         if (float(normal @ sight) < 0.0) == light:
             continue
         circle = circle_in_plane(pixels, camera, normal, float(offset), face)
-        if circle is None or circle.deviation > FITS:
+        is_seen = hit is not None and hit[1] == face
+        if circle is None or circle.deviation > (FITS_SEEN if is_seen else FITS):
             continue
         points = camera.on_plane(pixels, offset * normal, normal)
-        if within_face(body, face, points).mean() < INSIDE:
+        if within_face(body, face, points).mean() < (INSIDE_SEEN if is_seen else INSIDE):
             continue
-        hidden = 0.0 if light or (hit is not None and hit[1] == face) else FITS
+        hidden = 0.0 if light or is_seen else FITS_SEEN
         if best is None or circle.deviation + hidden < best[0]:
             best = circle.deviation + hidden, circle
     if best is None:

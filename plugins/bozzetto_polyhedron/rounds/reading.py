@@ -101,6 +101,9 @@ UNDRAWN: Final = 0.15
 LEAST_BEND: Final = np.radians(20.0)
 """Least angle, on the sheet, between the lines at an arc that is no more than bowed."""
 
+WIDE: Final = 0.045
+"""Distance, in diagonals, within which single dashes belong to what is round."""
+
 MOST_RIMS: Final = 24
 """Whole ellipses that are looked for: each may be the template of another rim."""
 
@@ -216,6 +219,10 @@ class Reading:
     rims : tuple of Rim
     barrels : tuple of Barrel
     bends : tuple of Bend
+    dashes : frozenset of int
+        Single dashes about what is round.
+    straight : int
+        How many straight strokes are left, and rows of dashes.
     light : (s,) bool
         Which strokes were drawn lightly.
     size : float
@@ -225,6 +232,8 @@ class Reading:
     rims: tuple[Rim, ...]
     barrels: tuple[Barrel, ...]
     bends: tuple[Bend, ...]
+    dashes: frozenset[int]
+    straight: int
     light: Flags
     size: float
 
@@ -234,7 +243,7 @@ class Reading:
         rims = [number for rim in self.rims for number in rim.strokes]
         sides = [number for barrel in self.barrels for number in barrel.tangents]
         bends = [number for bend in self.bends for number in bend.strokes]
-        return frozenset((*rims, *sides, *bends))
+        return frozenset((*rims, *sides, *bends, *self.dashes))
 
 
 def read(strokes: Sequence[Stroke], evidence: Evidence) -> Reading | None:
@@ -284,6 +293,7 @@ class _Reader:
         self.rims: list[Rim] = []
         self.barrels: list[Barrel] = []
         self.bends: list[Bend] = []
+        self.swept: set[int] = set()
 
     def read(self) -> Reading | None:
         """Find rims, then the others of their cylinders, then rounded corners."""
@@ -295,11 +305,34 @@ class _Reader:
             ):
                 self._find_others(number)
         self._find_bends()
+        self._sweep()
         if not self.rims and not self.bends:
             return None
         return Reading(
-            tuple(self.rims), tuple(self.barrels), tuple(self.bends), self.light, self.size
+            tuple(self.rims),
+            tuple(self.barrels),
+            tuple(self.bends),
+            frozenset(self.swept),
+            len(self._straight()) // 2,
+            self.light,
+            self.size,
         )
+
+    def _sweep(self) -> None:
+        """Take what is left of dashes that lie about what is round, in no straight row."""
+        curves = [rim.ellipse.at(np.linspace(0.0, TURN, 73)) for rim in self.rims]
+        for barrel in self.barrels:
+            near, far = (self.rims[k].ellipse for k in (barrel.near, barrel.far))
+            for line in tangent_lines(near, far.center - near.center):
+                curves.append(line[0] + np.linspace(-0.1, 1.1, 60)[:, None] * (line[1] - line[0]))
+        curves += [bend.arc + shift for bend in self.bends for shift in (0.0, bend.shift)]
+        for curve in curves:
+            loose = [
+                k
+                for k in sorted(self.left)
+                if self.ink.lengths[k] < DASH * self.size and k not in self.row_of
+            ]
+            self.swept |= set(self._take(self.ink.lying_along(curve, loose, WIDE * self.size)))
 
     def _without_rows(self, numbers: Sequence[int]) -> list[int]:
         """Return strokes without dashes of which most of the row is not among them.

@@ -103,7 +103,7 @@ def straightened(strokes: Strokes, evidence: Evidence) -> Straightened:
     pens = _Pens(strokes, reading)
     made: list[tuple[Stroke, int]] = []
     column = None
-    if len(kept) < FEWEST_LINES and not reading.bends:
+    if reading.straight < FEWEST_LINES and not reading.bends:
         column = _column(reading)
     if column is not None:
         return Straightened(

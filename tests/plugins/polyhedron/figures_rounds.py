@@ -4,7 +4,7 @@
 
 Parts of `round_parts.py`, of random dimensions and seen from random sides, are drawn with 1 and 2 %
 of jitter; hidden straight edges are light and dashed, what is hidden of rims and sides is so in
-every other drawing, and left out in the others. What comes out is right if it has as many planes
+every other drawing, and left out in the others (of pockets in none). What comes out is right if it has as many planes
 and whole cylinders, hollow and not, and as many holes as the part, if all cylinders are exact, its
 triangles bound one volume, and that volume and that of the part have at least `ALIKE` of their
 union in common, where both are seen.
@@ -33,6 +33,10 @@ from tests.plugins.polyhedron.round_parts import PARTS, RoundView, round_view, s
 
 ALIKE = {0.01: 0.7, 0.02: 0.6}
 """Least share of the union of both volumes that they have in common, by jitter."""
+
+
+TOLD_BY_HIDDEN = ("round pocket",)
+"""What hidden rims alone tell: a pocket of which no floor is seen is drawn like a hole."""
 
 
 @dataclass
@@ -142,7 +146,7 @@ def main() -> None:
             found = [
                 (seed, each)
                 for seed in range(asked.first, asked.first + asked.count)
-                if (each := outcome_of(name, seed, hand, seed % 2 == 0)) is not None
+                if (each := outcome_of(name, seed, hand, seed % 2 == 0 or name in TOLD_BY_HIDDEN)) is not None
             ]
             if not found:
                 continue
