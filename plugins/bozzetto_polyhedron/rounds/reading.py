@@ -72,6 +72,9 @@ ROW: Final = 0.007
 MOST_DASHES, MOST_PAIRS = 300, 600
 """Dashes among which rows are sought, and pairs of them that begin one."""
 
+SHAKY_ROW: Final = 0.012
+"""The same for rows of five and more that are not bent by `ROW`."""
+
 FEWEST_DASHES: Final = 4
 """Dashes of the shortest row: three of an arc may lie straight."""
 
@@ -728,26 +731,51 @@ def _rows(paths: Sequence[Array], lengths: Array, size: float) -> dict[int, int]
 def _row_along(
     ends: dict[int, Array], left: set[int], one: int, other: int, size: float
 ) -> list[int]:
-    """Return the dashes on the line of two, from each to the next within a gap."""
+    """Return the dashes on the line of two, from each to the next within a gap.
+
+    A shaky row is one where it is longer, and not bent.
+    """
+    found = _chain(ends, left, one, other, size, ROW)
+    shaky = _chain(ends, left, one, other, size, SHAKY_ROW)
+    if len(shaky) > max(len(found), FEWEST_DASHES):
+        points = np.concatenate([ends[k] for k in shaky])
+        x, y = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2] @ (
+            (points - points.mean(axis=0)).T
+        )
+        bend = float(np.polynomial.Polynomial.fit(x, y, 2, domain=[x.min(), x.max()]).coef[2])
+        if abs(bend) < ROW * size:
+            return shaky
+    return found
+
+
+def _chain(
+    ends: dict[int, Array], left: set[int], one: int, other: int, size: float, reach: float
+) -> list[int]:
+    """Return the dashes within reach of the line of two that follow one another."""
     four = np.concatenate((ends[one], ends[other]))
     middle = four.mean(axis=0)
     along = np.linalg.svd(four - middle)[2][0]
-    across = np.array((-along[1], along[0]))
-    spans = []
-    for number in left:
-        away = ends[number] - middle
-        if float(np.abs(away @ across).max()) < ROW * size:
-            low, high = sorted((away @ along).tolist())
-            spans.append((low, high, number))
-    spans.sort()
-    rows: list[list[int]] = [[]]
-    reached = -np.inf
-    for low, high, number in spans:
-        if low - reached > DASH_GAP * size:
-            rows.append([])
-        rows[-1].append(number)
-        reached = max(reached, high)
-    return max((row for row in rows if one in row), key=len, default=[])
+    numbers = sorted(left)
+    away = np.array([ends[k] for k in numbers]) - middle
+    for _ in range(3):
+        across = np.array((-along[1], along[0]))
+        near = np.abs(away @ across).max(axis=1) < reach * size
+        spans = np.sort(away @ along, axis=1)
+        order = [k for k in np.argsort(spans[:, 0], kind="stable").tolist() if near[k]]
+        rows: list[list[int]] = [[]]
+        reached = -np.inf
+        for k in order:
+            if spans[k, 0] - reached > DASH_GAP * size:
+                rows.append([])
+            rows[-1].append(k)
+            reached = max(reached, float(spans[k, 1]))
+        row = max((row for row in rows if numbers.index(one) in row), key=len, default=[])
+        if len(row) < 3:
+            break
+        points = away[row].reshape(-1, 2)
+        along = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
+        away = away - points.mean(axis=0)
+    return [numbers[k] for k in row]
 
 
 def tangent_lines(ellipse: Ellipse, shift: Array) -> Array:
