@@ -227,6 +227,11 @@ class Body(Part):
     ] = "closed"
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this solid.")] = None
 
+    @property
+    def evidence(self) -> Literal["clear", "all", "none"]:
+        """How much evidence reading something as round needs; bars are never round."""
+        return "none" if self.moves == "flat" else self.rounds
+
     def __post_init__(self) -> None:
         for camera in {stroke.camera for stroke in self.strokes}:
             require_near((*camera.eye, *camera.target, camera.height), "A drawing")

@@ -95,11 +95,15 @@ diagonals."""
 BOW_SHARE: Final = 0.5
 """Least share of that height."""
 
+LEAST_MEANT: Final = 0.012
+"""Height, in diagonals, below which a bow says nothing: lines bow by half of it."""
+
 BEVEL: Final = 0.75
 """Share of the chord of an arc from which on a straight line in its place is a bevel."""
 
-UNDRAWN: Final = 0.15
-"""Share of the other arc below which nothing of it is drawn."""
+UNDRAWN, DRAWN = 0.15, 0.5
+"""Share of the other arc below which nothing of it is drawn; and least share where this one is no
+more than bowed, and no other edge is round."""
 
 LEAST_BEND: Final = np.radians(20.0)
 """Least angle, on the sheet, between the lines at an arc that is no more than bowed."""
@@ -545,7 +549,7 @@ class _Reader:
         bowed = number in self.bowed
         if not bowed and not LEAST_ARC < abs(turns[-3] - turns[2]) < MOST_ARC:
             return None
-        straight = self._straight()
+        straight = [each for each in self._straight() if number not in each.members]
         lines = [_line_at(straight, place, way, JOINS * self.size) for place, way in _ends(arc)]
         if None in lines or lines[0] is lines[1]:
             return None
@@ -563,12 +567,18 @@ class _Reader:
                 continue
             own = self._without_rows(self.ink.lying_along(arc + shift, parts, 1.25 * reach))
             score = self.ink.covered(arc + shift, own, 1.25 * reach) if own else 0.0
+            sure = not bowed or self._has_shift(shift)
             if bowed and score > UNDRAWN and not self._is_round_too(own, first, second):
                 continue
+            if not sure and (score < DRAWN or not self._is_as_round(arc, first, second, sure=True)):
+                continue
             there: list[_End | None] = []
+            others = [each for each in rest if not set(each.members) & set(own)]
             for place, end in zip((arc[0], arc[-1]), (first, second), strict=True):
-                left = [each for each in rest if not there or each is not there[0]]
+                left = [each for each in others if not there or each is not there[0]]
                 there.append(_line_at(left, place + shift, end.way, 0.8 * JOINS * self.size))
+            if not sure and None in there:
+                continue
             for place, line in zip((arc[0], arc[-1]), there, strict=True):
                 if line is not None:
                     off = float(np.linalg.norm(line.place - place - shift))
@@ -590,10 +600,21 @@ class _Reader:
         strokes = tuple(sorted({number, *own, *sides}))
         return Bend(arc, corners, shift, tuple(ends), strokes, light)
 
-    def _is_as_round(self, arc: Array, first: _End, second: _End) -> bool:
+    def _has_shift(self, shift: Array) -> bool:
+        """Whether a rounded edge was found that runs like this: others are likely then."""
+        return any(
+            min(np.linalg.norm(shift - each.shift), np.linalg.norm(shift + each.shift))
+            < 2.0 * REACH * self.size
+            for each in self.bends
+        )
+
+    def _is_as_round(
+        self, arc: Array, first: _End, second: _End, *, sure: bool = False
+    ) -> bool:
         """Whether an arc is as high above its chord as a circle tangent to both lines would be.
 
-        With the turn of the lines θ and the length of the chord c that is ½ c tan θ/4.
+        With the turn of the lines θ and the length of the chord c that is ½ c tan θ/4. Lines bow as
+        much where that is little: then nothing is `sure`.
         """
         turn = np.pi - float(np.arccos(np.clip(first.way @ second.way, -1.0, 1.0)))
         if len(arc) < FEWEST or turn < LEAST_BEND:
@@ -606,7 +627,9 @@ class _Reader:
         side = -1.0 if outward[0] * chord[1] - outward[1] * chord[0] > 0 else 1.0
         height = float((-side * heights).max())
         meant = 0.5 * length * float(np.tan(0.25 * turn))
-        return height > BOW_SHARE * meant and abs(height - meant) < BOW_OFF * self.size
+        if height < BOW_SHARE * meant or (sure and meant < LEAST_MEANT * self.size):
+            return False
+        return abs(height - meant) < BOW_OFF * self.size
 
     def _is_round_too(self, own: Sequence[int], first: _End, second: _End) -> bool:
         """Whether the ink of the other arc is bent as well: that of a bevel is straight."""
@@ -617,10 +640,16 @@ class _Reader:
             if float(np.linalg.norm(np.ptp(ends, axis=0))) > BEVEL * chord:
                 return False
         return all(
-            k in self.curved or k in self.bowed
+            k in self.curved
+            or (k in self.bowed and self._is_as_round(self.paths[k], *self._turned(k, first, second)))
             for k, ends in spans.items()
             if float(np.linalg.norm(ends[1] - ends[0])) > BEVEL * chord
         )
+
+    def _turned(self, number: int, first: _End, second: _End) -> tuple[_End, _End]:
+        """Return the lines at an arc in the order in which another stroke beside it was drawn."""
+        span = self.paths[number][-1] - self.paths[number][0]
+        return (first, second) if span @ (second.place - first.place) > 0.0 else (second, first)
 
     def _shifts(
         self,

@@ -111,11 +111,11 @@ def solved(
     preview: they are what a person who draws has to see at once.
     """
     if body.choice is None and quality == "preview":
-        return Solved(graph_while_drawn(body.strokes, body.rounds, checkpoint))
-    graph = graph_of_ink(body.strokes, body.rounds, checkpoint)
+        return Solved(graph_while_drawn(body.strokes, body.evidence, checkpoint))
+    graph = graph_of_ink(body.strokes, body.evidence, checkpoint)
     if body.choice is None and graph.health:
         return Solved(graph)
-    answers = answers_of_ink(body.strokes, body.rounds, body.hidden, checkpoint)
+    answers = answers_of_ink(body.strokes, body.evidence, body.hidden, checkpoint)
     if not answers:
         return Solved(graph, problem="These lines make no shape yet. Draw on.")
     number = chosen_number(answers, body.choice, body.answer)
@@ -195,7 +195,7 @@ def placed_changes(made: Changed, placement: Placement) -> Changed:
 
 def rounded(base: PlanarBody, body: Body, graph: LineGraph) -> Changed:
     """Return the exact body of straight lines with what was drawn round in it."""
-    found = straightened(body.strokes, body.rounds)
+    found = straightened(body.strokes, body.evidence)
     if found.reading is None:
         return Changed(base)
     return with_rounds(base, graph, found, body.strokes[0].camera)
@@ -203,8 +203,8 @@ def rounded(base: PlanarBody, body: Body, graph: LineGraph) -> Changed:
 
 def _drawn(body: Body, state: PolyhedronState) -> Changed | None:
     """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
-    graph = graph_of_ink(body.strokes, body.rounds, never)
-    answers = answers_of_ink(body.strokes, body.rounds, body.hidden, never)
+    graph = graph_of_ink(body.strokes, body.evidence, never)
+    answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
     if not answers:
         return None
     number = chosen_number(answers, body.choice, body.answer)
@@ -228,7 +228,7 @@ def _base(
     up = turned[6:9] if dimensions else UP
     return exact_body_of_ink(
         body.strokes,
-        body.rounds,
+        body.evidence,
         body.hidden,
         number,
         state.exact,
