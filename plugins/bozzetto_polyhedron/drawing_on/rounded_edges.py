@@ -197,7 +197,12 @@ def rounded_end(
     beyond = corner - BEYOND * radius * inward
     line = np.concatenate((arc, [beyond + 2.0 * radius * across, beyond]))
     walls = np.array(
-        (*strips, side * body.normals[other], side * body.normals[last], side * body.normals[beside])
+        (
+            *strips,
+            side * body.normals[other],
+            side * body.normals[last],
+            side * body.normals[beside],
+        )
     )
     offsets = np.array(
         (

@@ -88,9 +88,7 @@ class InkSamples:
         del owner
         place = {(int(x), int(y)): int(n) for (x, y), n in zip(unique, counts, strict=True)}
         around = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)]
-        sums = {
-            (x, y): sum(place.get((x + dx, y + dy), 0) for dx, dy in around) for x, y in place
-        }
+        sums = {(x, y): sum(place.get((x + dx, y + dy), 0) for dx, dy in around) for x, y in place}
         best = sorted(sums, key=lambda cell: (-sums[cell], cell))[:PEAKS]
         made = []
         for cell in best:

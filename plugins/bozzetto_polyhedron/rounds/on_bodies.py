@@ -27,6 +27,9 @@ from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
 from bozzetto_polyhedron.solid.triangulation import within_face
 
+LEFT_OUT: Final = ("An ellipse is left out.", "An arc is left out.", "Ellipses are left out.")
+"""How what is told of something round begins that fits nowhere."""
+
 SAMPLES: Final = 72
 """Points of an ellipse that are laid on a face."""
 
@@ -48,9 +51,7 @@ CORNER: Final = 0.06
 """Distance of a corner of the graph from where lines would meet, in diagonals."""
 
 
-def with_rounds(
-    body: PlanarBody, graph: LineGraph, found: Straightened, camera: Camera
-) -> Changed:
+def with_rounds(body: PlanarBody, graph: LineGraph, found: Straightened, camera: Camera) -> Changed:
     """Return the exact body of a drawing with what was round in it.
 
     Parameters
@@ -73,7 +74,7 @@ def with_rounds(
     if reading is None:
         return Changed(body)
     if not body.closed:
-        return Changed(body, told=("What is round needs a closed solid, and is left out.",))
+        return Changed(body, told=(f"{LEFT_OUT[2]} They need a closed solid.",))
     made = _with_bends(Changed(body), graph, reading)
     done: set[int] = set()
     if found.column is not None:
@@ -96,7 +97,7 @@ def with_rounds(
                 else:
                     made = _with_hole(made, reading, reading.rims[number], barrel, camera)
             except UserError as problem:
-                made = replace(made, told=(*made.told, f"An ellipse is left out. {problem}"))
+                made = replace(made, told=(*made.told, f"{LEFT_OUT[0]} {problem}"))
     return made
 
 
@@ -121,7 +122,10 @@ def _turned(made: Changed, graph: LineGraph, column: Column) -> Changed:
 def _with_bends(made: Changed, graph: LineGraph, reading: Reading) -> Changed:
     """Return a body with its corners rounded that were drawn round."""
     named = [
-        (bend, [_edge_at(made.body, graph, bend, k, reading.size) for k in range(len(bend.corners))])
+        (
+            bend,
+            [_edge_at(made.body, graph, bend, k, reading.size) for k in range(len(bend.corners))],
+        )
         for bend in reading.bends
     ]
     drawn = made.body
@@ -138,7 +142,7 @@ def _with_bends(made: Changed, graph: LineGraph, reading: Reading) -> Changed:
                 body, circle = rounded_end(made.body, numbers[0], numbers[1])
             made = replace(made, body=body, circles=(*made.circles, circle))
         except UserError as problem:
-            made = replace(made, told=(*made.told, f"An arc is left out. {problem}"))
+            made = replace(made, told=(*made.told, f"{LEFT_OUT[1]} {problem}"))
     return made
 
 

@@ -458,9 +458,7 @@ class _Reader:
     def _tangents(self, ellipse: Ellipse, shift: Array) -> list[int]:
         """Return the strokes that are left and lie on the lines tangent to two rims."""
         found: list[int] = []
-        wide = TANGENT_REACH * min(
-            REACH * self.size, 0.4 * float(np.linalg.norm(ellipse.axes[0]))
-        )
+        wide = TANGENT_REACH * min(REACH * self.size, 0.4 * float(np.linalg.norm(ellipse.axes[0])))
         length = float(np.linalg.norm(shift))
         straight = [number for number in sorted(self.left) if number not in self.curved]
         short = [number for number in straight if self.ink.lengths[number] < 0.5 * length]
@@ -474,8 +472,10 @@ class _Reader:
                 steps = np.arange(-wide, wide + 0.5 * tight, 0.5 * tight)
                 best = max(
                     steps,
-                    key=lambda step: self.ink.covered(side + step * across, short, tight)
-                    - 0.2 * abs(step) / wide,
+                    key=lambda step: (
+                        self.ink.covered(side + step * across, short, tight)
+                        - 0.2 * abs(step) / wide
+                    ),
                 )
                 here = self._without_rows(
                     self.ink.lying_along(side + best * across, short, tight, 0.9)
@@ -608,9 +608,7 @@ class _Reader:
             for each in self.bends
         )
 
-    def _is_as_round(
-        self, arc: Array, first: _End, second: _End, *, sure: bool = False
-    ) -> bool:
+    def _is_as_round(self, arc: Array, first: _End, second: _End, *, sure: bool = False) -> bool:
         """Whether an arc is as high above its chord as a circle tangent to both lines would be.
 
         With the turn of the lines θ and the length of the chord c that is ½ c tan θ/4. Lines bow as
@@ -636,12 +634,17 @@ class _Reader:
         chord = float(np.linalg.norm(first.place - second.place))
         spans = {k: self.paths[k][[0, -1]] for k in own if k not in self.row_of}
         for row in {self.row_of[k] for k in own if k in self.row_of}:
-            ends = np.concatenate([self.paths[k][[0, -1]] for k in own if self.row_of.get(k) == row])
+            ends = np.concatenate(
+                [self.paths[k][[0, -1]] for k in own if self.row_of.get(k) == row]
+            )
             if float(np.linalg.norm(np.ptp(ends, axis=0))) > BEVEL * chord:
                 return False
         return all(
             k in self.curved
-            or (k in self.bowed and self._is_as_round(self.paths[k], *self._turned(k, first, second)))
+            or (
+                k in self.bowed
+                and self._is_as_round(self.paths[k], *self._turned(k, first, second))
+            )
             for k, ends in spans.items()
             if float(np.linalg.norm(ends[1] - ends[0])) > BEVEL * chord
         )

@@ -67,7 +67,8 @@ def main() -> None:
                         found.append(each)
             rims, bends = (np.array(found) > 0).sum(axis=0)
             print(
-                f"| {word} | {told} | {rims} of {len(found)} | {bends} of {len(found)} |", flush=True
+                f"| {word} | {told} | {rims} of {len(found)} | {bends} of {len(found)} |",
+                flush=True,
             )
 
 

@@ -146,7 +146,8 @@ def main() -> None:
             found = [
                 (seed, each)
                 for seed in range(asked.first, asked.first + asked.count)
-                if (each := outcome_of(name, seed, hand, seed % 2 == 0 or name in TOLD_BY_HIDDEN)) is not None
+                if (each := outcome_of(name, seed, hand, seed % 2 == 0 or name in TOLD_BY_HIDDEN))
+                is not None
             ]
             if not found:
                 continue

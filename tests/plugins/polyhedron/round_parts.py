@@ -394,9 +394,7 @@ def strokes_of(
             shifted = Arc(arc.center + level * along, arc.first, arc.second, arc.begin, arc.end)
             paths += _drawn_arc(seen, shifted, hand, rng, hidden_rims)
     order = rng.permutation(len(paths))
-    return tuple(
-        stroke(paths[k][0] * TO_CANVAS * SIZE + 600.0, paths[k][1]) for k in order
-    )
+    return tuple(stroke(paths[k][0] * TO_CANVAS * SIZE + 600.0, paths[k][1]) for k in order)
 
 
 def _drawn_line(begin, end, unseen, hand, rng):

@@ -53,7 +53,7 @@ def block(seed: int, *parts: tuple[float, float], edge: int = 9) -> list[Stroke]
 
 
 def graph_of(ink) -> LineGraph:
-    return graph_of_ink(Strokes(ink), never)
+    return graph_of_ink(Strokes(ink), "clear", never)
 
 
 def is_block(graph: LineGraph, seed: int) -> bool:
