@@ -72,6 +72,9 @@ ROW: Final = 0.007
 MOST_DASHES, MOST_PAIRS = 300, 600
 """Dashes among which rows are sought, and pairs of them that begin one."""
 
+OVERLAP: Final = 0.5
+"""Share of a dash beside the one before from which on it is of another row."""
+
 SHAKY_ROW: Final = 0.012
 """The same for rows of five and more that are not bent by `ROW`."""
 
@@ -480,10 +483,27 @@ class _Reader:
                 here = self._without_rows(
                     self.ink.lying_along(side + best * across, short, tight, 0.9)
                 )
+                here = self._one_row(here, line)
                 side = side + best * across
             if here and self.ink.covered(side, here, wide) >= LEAST_TANGENT:
                 found += here
         return sorted(set(found))
+
+    def _one_row(self, numbers: Sequence[int], line: Array) -> list[int]:
+        """Return strokes with no more than one row of dashes: that which ends as a line does."""
+        rows: dict[int, list[int]] = {}
+        for number in numbers:
+            if number in self.row_of:
+                rows.setdefault(self.row_of[number], []).append(number)
+        if len(rows) < 2:
+            return list(numbers)
+
+        def off(members: list[int]) -> float:
+            points = np.concatenate([self.paths[k][[0, -1]] for k in members])
+            return float(np.linalg.norm(line[:, None] - points, axis=2).min(axis=1).sum())
+
+        kept = min(rows.values(), key=off)
+        return [k for k in numbers if k not in self.row_of or k in kept]
 
     def _find_others(self, number: int) -> None:
         """Find what is drawn of the other rim of a cylinder, where it is not drawn whole."""
@@ -637,7 +657,10 @@ class _Reader:
             ends = np.concatenate(
                 [self.paths[k][[0, -1]] for k in own if self.row_of.get(k) == row]
             )
-            if float(np.linalg.norm(np.ptp(ends, axis=0))) > BEVEL * chord:
+            ends = ends[np.argsort(ends @ (second.place - first.place), kind="stable")]
+            if float(np.linalg.norm(ends[-1] - ends[0])) > BEVEL * chord and not (
+                self._is_as_round(ends, first, second)
+            ):
                 return False
         return all(
             k in self.curved
@@ -797,6 +820,8 @@ def _chain(
         rows: list[list[int]] = [[]]
         reached = -np.inf
         for k in order:
+            if reached - spans[k, 0] > OVERLAP * (spans[k, 1] - spans[k, 0]):
+                continue
             if spans[k, 0] - reached > DASH_GAP * size:
                 rows.append([])
             rows[-1].append(k)
@@ -853,10 +878,17 @@ def _ends(arc: Array) -> list[tuple[Array, Array]]:
 
 
 def _line_at(lines: Sequence[_End], place: Array, way: Array, reach: float) -> _End | None:
-    """Return the nearest of some ends from which a line goes on where something else ends."""
+    """Return the nearest of some ends from which a line goes on where something else ends.
+
+    Along a row of dashes half of the distance counts: a dash of the arc may be taken for one of it.
+    """
     best: tuple[float, _End] | None = None
     for each in lines:
-        apart = float(np.linalg.norm(each.place - place))
+        away = each.place - place
+        apart = float(np.linalg.norm(away))
+        if each.number < 0:
+            along = float(away @ each.way)
+            apart = float(np.hypot(0.5 * along, np.linalg.norm(away - along * each.way)))
         if apart < (reach if best is None else best[0]) and float(each.way @ way) > GOES_ON:
             best = apart, each
     return None if best is None else best[1]
