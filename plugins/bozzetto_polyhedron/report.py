@@ -70,8 +70,9 @@ def report_of(
         each the outer ring, then its holes), ``"closed"``, ``"genus"``, ``"answers"`` (the
         likeliest first: ``"confidence"`` and ``"vertices"``), ``"answer"`` (which of them is
         shown, counted from 1; 0 for none), ``"confidence"``, ``"residual_px"``, ``"noise_px"``,
-        ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``; ``"round"`` (``"ellipses"`` and ``"arcs"`` that were read so, ``"cylinders"`` of the solid, those
-        drawn on it later among them, and ``"left_out"``); of bars that lie flat
+        ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``;
+        ``"round"`` (``"ellipses"`` and ``"arcs"`` that were read so, ``"cylinders"`` of the solid,
+        those drawn on it later among them, and ``"left_out"``); of bars that lie flat
         without `OF_SOLIDS` and findings `OF_BARS`. The same of all bodies in ``"bodies"``, each
         with its ``"id"`` and ``"name"``. Where something moves, ``"mechanism"``: ``"pieces"``,
         ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.

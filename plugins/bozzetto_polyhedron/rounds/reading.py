@@ -1,8 +1,8 @@
 """What of a line drawing is round: rims, the two rims of a cylinder, and rounded corners.
 
-In a parallel view a circle is seen as an ellipse whose shorter axis is the image of its normal, and
-circles of one size and direction as the same ellipse, moved. So a rim of which only a part is drawn,
-or all in dashes, is found as a whole ellipse moved along its shorter axis.
+In a parallel view a circle is seen as an ellipse whose shorter axis is the image of its normal,
+and circles of one size and direction as the same ellipse, moved. So a rim of which only a part is
+drawn, or all in dashes, is found as a whole ellipse moved along its shorter axis.
 """
 
 from __future__ import annotations
@@ -82,8 +82,8 @@ FEWEST_DASHES: Final = 4
 """Dashes of the shortest row: three of an arc may lie straight."""
 
 OF_ROW: Final = 0.6
-"""Share of a row of dashes that lies along a curve for all of it to be part of that: a dash of a rim
-may lie in the row of a line that touches it."""
+"""Share of a row of dashes that lies along a curve for all of it to be part of that: a dash of a
+rim may lie in the row of a line that touches it."""
 
 BOW: Final = 0.045
 """Least height of an arc, in lengths of its chord."""
@@ -456,7 +456,7 @@ class _Reader:
         if short > NEARLY_ROUND * long:
             return True
         aside = abs(float(shift @ ellipse.axes[0])) / long
-        return aside < max(ASIDE * length, 1.5 * self._reach(ellipse))
+        return bool(aside < max(ASIDE * length, 1.5 * self._reach(ellipse)))
 
     def _tangents(self, ellipse: Ellipse, shift: Array) -> list[int]:
         """Return the strokes that are left and lie on the lines tangent to two rims."""
@@ -609,10 +609,10 @@ class _Reader:
             return None
         _, shift, own, behind = best
         places = [corners[min(k, len(corners) - 1)] for k in range(2)]
-        ends = [(each.number, at, place)
-                for each, at, place in zip((first, second), arc[[0, -1]], places, strict=True)]  # fmt: skip
-        ends += [(-1 if each is None else each.number, at + shift, place + shift)
-                 for each, at, place in zip(behind, arc[[0, -1]], places, strict=True)]  # fmt: skip
+        both = zip((first, second), arc[[0, -1]], places, strict=True)
+        ends = [(each.number, at, place) for each, at, place in both]
+        for each, at, place in zip(behind, arc[[0, -1]], places, strict=True):
+            ends.append((-1 if each is None else each.number, at + shift, place + shift))
         kept = {each.number for each in (first, second, *behind) if each is not None}
         sides = self._sides_of(arc, shift, kept)
         own_light = self._mostly_light(own) if own else True

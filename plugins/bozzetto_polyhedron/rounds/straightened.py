@@ -117,20 +117,21 @@ def straightened(strokes: Strokes, evidence: Evidence) -> Straightened:
     }
     for number in kept:
         stroke = strokes[number]
-        for (owner, at), corner in ends.items():
+        for (owner, place), corner in ends.items():
             if owner == number:
-                stroke = _drawn_on(stroke, np.array(at), corner)
+                stroke = _drawn_on(stroke, np.array(place), corner)
         made.append((stroke, number))
     for bend in reading.bends:
-        for stroke, at, corner in bend.ends:
-            if stroke < 0:
-                made.append((pens.line(at - OVER * (corner - at), corner, bend.light[1]), -1))
+        for owner, begin, corner in bend.ends:
+            if owner < 0:
+                over = begin - OVER * (corner - begin)
+                made.append((pens.line(over, corner, bend.light[1]), -1))
         far = bend.corners + bend.shift
         for one, other in zip(bend.corners, far, strict=True):
             made.append((pens.line(one, other, any(bend.light)), -1))
         if len(far) == 2:
-            made.append((pens.line(*bend.corners, bend.light[0]), -1))
-            made.append((pens.line(*far, bend.light[1]), -1))
+            for end, light in zip((bend.corners, far), bend.light, strict=True):
+                made.append((pens.line(end[0], end[1], light), -1))
     return Straightened(
         Strokes([stroke for stroke, _ in made]), tuple(number for _, number in made), reading
     )
@@ -169,7 +170,7 @@ def _drawn_on(stroke: Stroke, at: Array, corner: Array) -> Stroke:
     pressure: Any = None
     if stroke.has_pressure:
         pressure = np.full(len(path), float(np.mean(stroke.pressure)))
-    return Stroke(*path.T, stroke.camera, pressure=pressure, color=stroke.color)
+    return Stroke(path[:, 0], path[:, 1], stroke.camera, pressure=pressure, color=stroke.color)
 
 
 def _column(reading: Reading) -> Column | None:

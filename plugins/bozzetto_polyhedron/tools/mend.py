@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -26,7 +25,10 @@ class Mend(ErasingTool):
     id = "mend"
     title = "Mend"
     icon = "icons/mend.svg"
-    hint = "Touch a mark: it closes a gap, erases a tick, joins corners, draws a line on or reads a curve as round."
+    hint = (
+        "Touch a mark: it closes a gap, erases a tick, joins two corners, draws a line on or reads "
+        "a curve as round."
+    )
     gesture = "tap"
     group = "Corrections"
 

@@ -85,9 +85,9 @@ def _round_items(body: Body) -> list[Item]:
     turn = np.linspace(0.0, TURN, ROUND_SAMPLES)
     curves = [(rim.ellipse.at(turn), rim.light) for rim in reading.rims]
     curves += [
-        (bend.arc + shift, light)
+        each
         for bend in reading.bends
-        for shift, light in zip((0.0, bend.shift), bend.light, strict=True)
+        for each in zip((bend.arc, bend.arc + bend.shift), bend.light, strict=True)
     ]
     return [
         Lines(

@@ -2,12 +2,12 @@
 
     python -m tests.plugins.polyhedron.figures_rounds [--count 20] [--first 5000]
 
-Parts of `round_parts.py`, of random dimensions and seen from random sides, are drawn with 1 and 2 %
-of jitter; hidden straight edges are light and dashed, what is hidden of rims and sides is so in
-every other drawing, and left out in the others (of pockets in none). What comes out is right if it has as many planes
-and whole cylinders, hollow and not, and as many holes as the part, if all cylinders are exact, its
-triangles bound one volume, and that volume and that of the part have at least `ALIKE` of their
-union in common, where both are seen.
+Parts of `round_parts.py`, of random dimensions and seen from random sides, are drawn with 1 and
+2 % of jitter; hidden straight edges are light and dashed, what is hidden of rims and sides is so in
+every other drawing, and left out in the others (of pockets in none). What comes out is right if it
+has as many planes and whole cylinders, hollow and not, and as many holes as the part, if all
+cylinders are exact, its triangles bound one volume, and that volume and that of the part have at
+least `ALIKE` of their union in common, where both are seen.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from bozzetto.errors import UserError
 from bozzetto.exchange.mesh.manifold_check import check_solid
 from bozzetto.geometry import Solid
 from bozzetto.ink import Strokes
+from bozzetto.view import Camera
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders, walls_of
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
 from bozzetto_polyhedron.solid.triangulation import genus_of
@@ -30,6 +31,8 @@ from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from tests.plugins.polyhedron.hand import CLEAN, SIZE, Hand
 from tests.plugins.polyhedron.objects import TO_CANVAS
 from tests.plugins.polyhedron.round_parts import PARTS, RoundView, round_view, strokes_of
+
+CAMERA = Camera(kind="orthographic")
 
 ALIKE = {0.01: 0.7, 0.02: 0.6}
 """Least share of the union of both volumes that they have in common, by jitter."""
@@ -77,7 +80,7 @@ def fault_of(found: Solved, seen: RoundView, alike: float) -> str:
 
 def overlap(found: Solved, seen: RoundView) -> float:
     """Return the share of the union of a body and a part that is in both, as they are seen."""
-    camera = seen_through(found)
+    camera = CAMERA
     assert found.mesh is not None
     points = camera.view_space(found.mesh.vertices.astype(float))
     flat = camera.project(found.mesh.vertices.astype(float))[0]
@@ -92,7 +95,7 @@ def overlap(found: Solved, seen: RoundView) -> float:
         0.5 * (truth.min() + truth.max() - depth.min() - depth.max()),
     )  # fmt: skip
     for shift in shifts:
-        moved = (space + (0.0, 0.0, shift)).astype(np.float32)
+        moved = (space + np.array((0.0, 0.0, shift))).astype(np.float32)
         made = Manifold(Mesh(moved, faces))
         if made.volume() < 0:
             made = Manifold(Mesh(moved, faces[:, ::-1]))
@@ -101,19 +104,11 @@ def overlap(found: Solved, seen: RoundView) -> float:
     return best
 
 
-def seen_through(found: Solved):
-    """Return the camera of drawings."""
-    from bozzetto.view import Camera
-
-    del found
-    return Camera(kind="orthographic")
-
-
 def outcome_of(name: str, seed: int, hand: Hand, hidden_rims: bool) -> Outcome | None:
     seen = round_view(name, seed)
     if seen is None:
         return None
-    camera = seen_through(None)
+    camera = CAMERA
     strokes = [
         type(s)(s.x, s.y, camera, pressure=s.pressure, t=s.t)
         for s in strokes_of(seen, hand, seed, hidden_rims=hidden_rims)

@@ -14,7 +14,7 @@ from manifold3d import CrossSection, Manifold, Mesh
 
 from bozzetto.ink import Stroke
 from tests.plugins.polyhedron.hand import SIZE, Hand, stroke
-from tests.plugins.polyhedron.objects import TO_CANVAS, _rotation
+from tests.plugins.polyhedron.objects import TO_CANVAS, random_rotation
 
 FACETS = 96
 """Sides of a cylinder of the truth."""
@@ -250,7 +250,7 @@ def round_view(name: str, seed: int) -> RoundView | None:
         rng = np.random.default_rng((31, list(PARTS).index(name), seed, number))
         part = PARTS[name](rng)
         shift = int(rng.integers(3))
-        turn = _rotation(rng)
+        turn = random_rotation(rng)
         flipped = 1.0 if rng.random() < 0.5 else -1.0
         if name in TOWARD_EYE:
             outward = np.roll((0.0, 0.0, flipped), shift) @ turn.T

@@ -20,8 +20,8 @@ from bozzetto_polyhedron.drawing_on.circles import polygon_of
 from bozzetto_polyhedron.drawing_on.cylinders import brep_with_cylinders, walls_of
 from bozzetto_polyhedron.drawing_on.rounded_edges import rounded_end
 from bozzetto_polyhedron.graph.line_graph import Finding
-from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
+from bozzetto_polyhedron.modeler import PolyhedronModeler
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse, ellipse_through, whole_ellipse
 from bozzetto_polyhedron.rounds.reading import read
 from bozzetto_polyhedron.rounds.straightened import straightened
