@@ -47,6 +47,9 @@ NEAR: Final = 0.2
 NOISE: Final = 0.03
 """The same in diagonals of the drawing."""
 
+SQUARE: Final = 0.05
+"""Largest difference of two sides of the box about a cylinder, in sides, and cosine between two."""
+
 CORNER: Final = 0.06
 """Distance of a corner of the graph from where lines would meet, in diagonals."""
 
@@ -99,6 +102,30 @@ def with_rounds(body: PlanarBody, graph: LineGraph, found: Straightened, camera:
             except UserError as problem:
                 made = replace(made, told=(*made.told, f"{LEFT_OUT[0]} {problem}"))
     return made
+
+
+def shows_column(vertices: Array, graph: LineGraph, column: Column) -> bool:
+    """Return whether the box of an answer is one about a cylinder: square across, and upright.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        One for each corner of the graph.
+    graph : LineGraph
+        Of the box.
+    column : Column
+        The cylinder.
+    """
+    corners = vertices[_vertices_at(graph, column.corners, np.inf)]
+    one, other, along = corners[1] - corners[0], corners[3] - corners[0], corners[4] - corners[0]
+    lengths = np.linalg.norm((one, other, along), axis=1)
+    cosines = (
+        one @ other / (lengths[0] * lengths[1]),
+        one @ along / (lengths[0] * lengths[2]),
+        other @ along / (lengths[1] * lengths[2]),
+    )
+    is_square = abs(lengths[0] - lengths[1]) < SQUARE * lengths[0]
+    return bool(is_square and np.abs(cosines).max() < SQUARE)
 
 
 def _turned(made: Changed, graph: LineGraph, column: Column) -> Changed:

@@ -295,7 +295,7 @@ class _Reader:
     ) -> None:
         self.paths, self.size, self.evidence = paths, size, evidence
         self.ink: InkSamples = ink_samples(paths, size)
-        self.light = _light(strokes, self.ink.lengths)
+        self.light = _light(strokes, self.ink.lengths, size)
         self.curved = curved
         self.bowed = {k for k in range(len(paths)) if k not in curved and _is_bowed(paths[k], size)}
         self.row_of = _rows(paths, self.ink.lengths, size)
@@ -915,12 +915,14 @@ def _corners(arc: Array, begin: _End, end: _End) -> Array | None:
     return corner[None] if back < 0.0 and ahead < 0.0 else None
 
 
-def _light(strokes: Sequence[Stroke], lengths: Array) -> Flags:
-    """Return which strokes press less than most ink does."""
+def _light(strokes: Sequence[Stroke], lengths: Array, size: float) -> Flags:
+    """Return which strokes press less than most ink does; where none does, which are dashes."""
     pressure = np.array([float(np.mean(stroke.pressure)) for stroke in strokes])
     order = np.argsort(pressure, kind="stable")
     ink = np.cumsum(lengths[order])
     if not ink[-1] > 0.0:
         return np.zeros(len(pressure), bool)
     firm = float(pressure[order][min(int(np.searchsorted(ink, 0.75 * ink[-1])), len(order) - 1)])
-    return np.asarray(pressure < LIGHT_PRESSURE * firm)
+    light = np.asarray(pressure < LIGHT_PRESSURE * firm)
+    dashes = (lengths > 0.0) & (lengths < DASH * size)
+    return light if light.any() or dashes.sum() < FEWEST_DASHES else dashes

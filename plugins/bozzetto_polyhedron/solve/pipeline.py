@@ -21,7 +21,7 @@ from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, Polyh
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
-from bozzetto_polyhedron.rounds.on_bodies import with_rounds
+from bozzetto_polyhedron.rounds.on_bodies import shows_column, with_rounds
 from bozzetto_polyhedron.rounds.reading import Evidence
 from bozzetto_polyhedron.rounds.straightened import Straightened, straightened
 from bozzetto_polyhedron.solid.equal_lengths import with_equal_lengths
@@ -331,7 +331,12 @@ def answers_of_ink(
         return ()
     if hidden == "unmarked":
         graph = replace(graph, light=0.0 * graph.light)
-    return answers_of(graph, strokes[0].camera, checkpoint=checkpoint, most=MOST_ANSWERS)
+    found = answers_of(graph, strokes[0].camera, checkpoint=checkpoint, most=MOST_ANSWERS)
+    column = straightened(strokes, rounds).column
+    if column is None:
+        return found
+    round_ones = (each for each in found if shows_column(each.vertices, graph, column))
+    return tuple(round_ones) or found
 
 
 @remembered(limit=64, key=_without_checkpoint)

@@ -22,9 +22,11 @@ from bozzetto_polyhedron.drawing_on.rounded_edges import rounded_end
 from bozzetto_polyhedron.graph.line_graph import Finding
 from bozzetto_polyhedron.model.state import Body, Choice, PolyhedronState
 from bozzetto_polyhedron.modeler import PolyhedronModeler
+from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse, ellipse_through, whole_ellipse
 from bozzetto_polyhedron.rounds.reading import read
 from bozzetto_polyhedron.rounds.straightened import straightened
+from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import volume_of
 from bozzetto_polyhedron.solve.mending import mended
@@ -36,6 +38,7 @@ from tests.plugins.polyhedron.objects import OBJECTS, TO_CANVAS, view
 from tests.plugins.polyhedron.round_parts import PARTS, round_view, strokes_of
 from tests.plugins.polyhedron.test_drawing_on_bodies import block
 from tests.plugins.polyhedron.test_exact_planes import off_planes
+from tests.plugins.polyhedron.true_bodies import prism
 
 CAMERA = Camera(kind="orthographic")
 STEADY = Hand(jitter=0.0, wobble=0.0, tremble=0.0)
@@ -173,6 +176,13 @@ def test_a_cylinder_alone_is_drawn_with_four_strokes():
     check_solid(Solid(found.mesh))
 
 
+def test_a_cylinder_has_two_answers_that_are_round():
+    """The box about it has others, of which the rims would be no circles."""
+    found = result_of(ink_of("cylinder", 7205))
+    assert len(found.answers) == 2
+    assert found.answers[0].confidence > 0.9
+
+
 def test_ellipses_are_lines_where_that_is_asked():
     ink = ink_of("hole in a box", 7206)
     assert straightened(ink, "none").strokes is ink
@@ -295,11 +305,10 @@ def test_edges_of_no_square_end_are_refused():
     body = block()
     with pytest.raises(UserError, match="do not bound one face"):
         rounded_end(body, upright(body, (90, 0)), upright(body, (0, 70)))
-    first = upright(body, (90, 0))
-    across = next(e for e in edges_of(body.faces).tolist()
-                  if np.ptp(body.vertices[e][:, 1]) > 1 and body.vertices[e][0, 0] == 90)  # fmt: skip
-    with pytest.raises(UserError):
-        rounded_end(body, first, tuple(across))
+    vertices, faces, _ = prism([(0, 0), (2, 0), (0, 1.2)], 1.5)
+    slanted = exact_body(Answer(vertices, faces, 1.0, 0.0, True), noise=0.0)
+    with pytest.raises(UserError, match="not square"):
+        rounded_end(slanted, upright(slanted, (2, 0)), upright(slanted, (0, 1.2)))
 
 
 def test_the_polygon_of_a_rim_has_its_area():
