@@ -18,7 +18,15 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.ink import Stroke
 from bozzetto_polyhedron.graph.segments import LIGHT_PRESSURE, is_curved
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse, even_samples, whole_ellipse
+from bozzetto_polyhedron.rounds.ends import (
+    LineEnd,
+    both_ends,
+    corners_between,
+    ends_of,
+    line_at,
+)
 from bozzetto_polyhedron.rounds.ink_samples import InkSamples, directions, ink_samples
+from bozzetto_polyhedron.rounds.straight_rows import DASH, FEWEST_DASHES, rows_of_dashes
 
 Evidence = Literal["clear", "all", "none"]
 
@@ -59,27 +67,6 @@ DASH_REACH: Final = 0.012
 
 GAP: Final = 0.35
 """Largest gap between two halves of an ellipse, in extents of the longer one."""
-
-DASH: Final = 0.06
-"""Longest dash of a straight row, in diagonals."""
-
-DASH_GAP: Final = 0.045
-"""Largest gap between two dashes of one row, in diagonals."""
-
-ROW: Final = 0.007
-"""Distance from a line within which dashes are a row, in diagonals."""
-
-MOST_DASHES, MOST_PAIRS = 300, 600
-"""Dashes among which rows are sought, and pairs of them that begin one."""
-
-OVERLAP: Final = 0.5
-"""Share of a dash beside the one before from which on it is of another row."""
-
-SHAKY_ROW: Final = 0.012
-"""The same for rows of five and more that are not bent by `ROW`."""
-
-FEWEST_DASHES: Final = 4
-"""Dashes of the shortest row: three of an arc may lie straight."""
 
 OF_ROW: Final = 0.6
 """Share of a row of dashes that lies along a curve for all of it to be part of that: a dash of a
@@ -128,12 +115,6 @@ LEAST_ARC, MOST_ARC = np.radians(35.0), np.radians(250.0)
 
 JOINS: Final = 0.06
 """Distance, in diagonals, within which a line goes on where an arc ends."""
-
-GOES_ON: Final = np.cos(np.radians(35.0))
-"""Cosine of the angle within which it does."""
-
-TURNED_BACK: Final = np.cos(np.radians(30.0))
-"""Cosine of the angle between two lines within which the arc between them is a half turn."""
 
 LINE_THERE: Final = 0.4
 """What a line that ends at the copy of an arc counts, in shares of the arc that are drawn."""
@@ -298,7 +279,7 @@ class _Reader:
         self.light = _light(strokes, self.ink.lengths, size)
         self.curved = curved
         self.bowed = {k for k in range(len(paths)) if k not in curved and _is_bowed(paths[k], size)}
-        self.row_of = _rows(paths, self.ink.lengths, size)
+        self.row_of = rows_of_dashes(paths, self.ink.lengths, size)
         self.left = set(range(len(paths)))
         self.rims: list[Rim] = []
         self.barrels: list[Barrel] = []
@@ -550,11 +531,11 @@ class _Reader:
 
     def _is_known(self, bend: Bend) -> bool:
         """Whether another arc has rounded the same edge."""
-        corners = np.concatenate((bend.corners, bend.corners + bend.shift))
+        known = [each.corners + shift for each in self.bends for shift in (0.0, each.shift)]
+        own = np.concatenate((bend.corners, bend.corners + bend.shift))
         return any(
-            np.linalg.norm(corners[:, None] - known, axis=2).min() < JOINS * self.size
-            for each in self.bends
-            for known in (np.concatenate((each.corners, each.corners + each.shift)),)
+            np.linalg.norm(own[:, None] - corners, axis=2).min() < JOINS * self.size
+            for corners in known
         )
 
     def _bend(self, number: int) -> Bend | None:
@@ -570,18 +551,18 @@ class _Reader:
         if not bowed and not LEAST_ARC < abs(turns[-3] - turns[2]) < MOST_ARC:
             return None
         straight = [each for each in self._straight() if number not in each.members]
-        lines = [_line_at(straight, place, way, JOINS * self.size) for place, way in _ends(arc)]
+        lines = [line_at(straight, place, way, JOINS * self.size) for place, way in ends_of(arc)]
         if None in lines or lines[0] is lines[1]:
             return None
         first, second = (each for each in lines if each is not None)
-        corners = _corners(arc, first, second)
+        corners = corners_between(arc, first, second)
         if corners is None or (bowed and not self._is_as_round(arc, first, second)):
             return None
         parts = [k for k in self._parts_of(arc) if k != number]
         reach = min(REACH * self.size, 0.3 * float(np.linalg.norm(arc[-1] - arc[0])))
         rest = [each for each in straight if each.line is not first.line
                 and each.line is not second.line]  # fmt: skip
-        best: tuple[float, Array, list[int], list[_End | None]] | None = None
+        best: tuple[float, Array, list[int], list[LineEnd | None]] | None = None
         for shift in self._shifts(arc, (first, second), rest, parts, reach):
             if not self._edges_along(shift):
                 continue
@@ -592,11 +573,11 @@ class _Reader:
                 continue
             if not sure and (score < DRAWN or not self._is_as_round(arc, first, second, sure=True)):
                 continue
-            there: list[_End | None] = []
+            there: list[LineEnd | None] = []
             others = [each for each in rest if not set(each.members) & set(own)]
             for place, end in zip((arc[0], arc[-1]), (first, second), strict=True):
                 left = [each for each in others if not there or each is not there[0]]
-                there.append(_line_at(left, place + shift, end.way, 0.8 * JOINS * self.size))
+                there.append(line_at(left, place + shift, end.way, 0.8 * JOINS * self.size))
             if not sure and None in there:
                 continue
             for place, line in zip((arc[0], arc[-1]), there, strict=True):
@@ -628,7 +609,9 @@ class _Reader:
             for each in self.bends
         )
 
-    def _is_as_round(self, arc: Array, first: _End, second: _End, *, sure: bool = False) -> bool:
+    def _is_as_round(
+        self, arc: Array, first: LineEnd, second: LineEnd, *, sure: bool = False
+    ) -> bool:
         """Whether an arc is as high above its chord as a circle tangent to both lines would be.
 
         With the turn of the lines θ and the length of the chord c that is ½ c tan θ/4. Lines bow as
@@ -649,7 +632,7 @@ class _Reader:
             return False
         return abs(height - meant) < BOW_OFF * self.size
 
-    def _is_round_too(self, own: Sequence[int], first: _End, second: _End) -> bool:
+    def _is_round_too(self, own: Sequence[int], first: LineEnd, second: LineEnd) -> bool:
         """Whether the ink of the other arc is bent as well: that of a bevel is straight."""
         chord = float(np.linalg.norm(first.place - second.place))
         spans = {k: self.paths[k][[0, -1]] for k in own if k not in self.row_of}
@@ -672,7 +655,7 @@ class _Reader:
             if float(np.linalg.norm(ends[1] - ends[0])) > BEVEL * chord
         )
 
-    def _turned(self, number: int, first: _End, second: _End) -> tuple[_End, _End]:
+    def _turned(self, number: int, first: LineEnd, second: LineEnd) -> tuple[LineEnd, LineEnd]:
         """Return the lines at an arc in the order in which another stroke beside it was drawn."""
         span = self.paths[number][-1] - self.paths[number][0]
         return (first, second) if span @ (second.place - first.place) > 0.0 else (second, first)
@@ -680,8 +663,8 @@ class _Reader:
     def _shifts(
         self,
         arc: Array,
-        lines: tuple[_End, _End],
-        rest: list[_End],
+        lines: tuple[LineEnd, LineEnd],
+        rest: list[LineEnd],
         parts: list[int],
         reach: float,
     ) -> list[Array]:
@@ -693,12 +676,12 @@ class _Reader:
                     found.append(each.place - place)
         return [each for each in found if np.linalg.norm(each) > LEAST_SHIFT * self.size]
 
-    def _straight(self) -> list[_End]:
+    def _straight(self) -> list[LineEnd]:
         """Return both ends of every straight stroke that is left, and of every row of dashes."""
         found = []
         for number in sorted(self.left - self.curved):
             if number not in self.row_of and self.ink.lengths[number] >= DASH * self.size:
-                found += _both_ends(number, self.paths[number][[0, -1]], (number,))
+                found += both_ends(number, self.paths[number][[0, -1]], (number,))
         for row in sorted(set(self.row_of.values())):
             members = [k for k, each in self.row_of.items() if each == row and k in self.left]
             if len(members) < 2:
@@ -707,7 +690,7 @@ class _Reader:
             along = np.linalg.svd(points - points.mean(axis=0))[2][0]
             at = points @ along
             tips = points[[int(at.argmin()), int(at.argmax())]]
-            found += _both_ends(-1, tips, tuple(members))
+            found += both_ends(-1, tips, tuple(members))
         return found
 
     def _edges_along(self, shift: Array) -> bool:
@@ -758,161 +741,12 @@ def _is_bowed(path: Array, size: float) -> bool:
     return height > max(BOW * length, LEAST_BOW * size)
 
 
-def _rows(paths: Sequence[Array], lengths: Array, size: float) -> dict[int, int]:
-    """Return for each dash of a straight row the number of its row; the longest rows first."""
-    dashes = [k for k in range(len(paths)) if 0.0 < lengths[k] < DASH * size][:MOST_DASHES]
-    ends = {k: paths[k][[0, -1]] for k in dashes}
-    both = np.array([ends[k] for k in dashes]).reshape(-1, 2, 2)
-    apart = np.linalg.norm(both[:, None, :, None] - both[:, None], axis=4).min(axis=(2, 3))
-    pairs = [(dashes[i], dashes[j]) for i, j in np.argwhere(np.triu(apart < DASH_GAP * size, 1))]
-    left = set(dashes)
-    found: dict[int, int] = {}
-    rows = {pair: _row_along(ends, left, *pair, size) for pair in pairs[:MOST_PAIRS]}
-    while rows:
-        pair = max(rows, key=lambda each: (len(rows[each]), -each[0], -each[1]))
-        best = rows[pair]
-        if len(best) < FEWEST_DASHES:
-            break
-        found |= dict.fromkeys(best, pair[0])
-        left -= set(best)
-        rows = {
-            each: row if not set(row) & set(best) else _row_along(ends, left, *each, size)
-            for each, row in rows.items()
-            if each[0] in left and each[1] in left
-        }
-    return found
-
-
-def _row_along(
-    ends: dict[int, Array], left: set[int], one: int, other: int, size: float
-) -> list[int]:
-    """Return the dashes on the line of two, from each to the next within a gap.
-
-    A shaky row is one where it is longer, and not bent.
-    """
-    found = _chain(ends, left, one, other, size, ROW)
-    shaky = _chain(ends, left, one, other, size, SHAKY_ROW)
-    if len(shaky) > max(len(found), FEWEST_DASHES):
-        points = np.concatenate([ends[k] for k in shaky])
-        x, y = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2] @ (
-            (points - points.mean(axis=0)).T
-        )
-        bend = float(np.polynomial.Polynomial.fit(x, y, 2, domain=[x.min(), x.max()]).coef[2])
-        if abs(bend) < ROW * size:
-            return shaky
-    return found
-
-
-def _chain(
-    ends: dict[int, Array], left: set[int], one: int, other: int, size: float, reach: float
-) -> list[int]:
-    """Return the dashes within reach of the line of two that follow one another."""
-    four = np.concatenate((ends[one], ends[other]))
-    middle = four.mean(axis=0)
-    along = np.linalg.svd(four - middle)[2][0]
-    numbers = sorted(left)
-    away = np.array([ends[k] for k in numbers]) - middle
-    for _ in range(3):
-        across = np.array((-along[1], along[0]))
-        near = np.abs(away @ across).max(axis=1) < reach * size
-        spans = np.sort(away @ along, axis=1)
-        order = [k for k in np.argsort(spans[:, 0], kind="stable").tolist() if near[k]]
-        rows: list[list[int]] = [[]]
-        reached = -np.inf
-        for k in order:
-            if reached - spans[k, 0] > OVERLAP * (spans[k, 1] - spans[k, 0]):
-                continue
-            if spans[k, 0] - reached > DASH_GAP * size:
-                rows.append([])
-            rows[-1].append(k)
-            reached = max(reached, float(spans[k, 1]))
-        row = max((row for row in rows if numbers.index(one) in row), key=len, default=[])
-        if len(row) < 3:
-            break
-        points = away[row].reshape(-1, 2)
-        along = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0]
-        away = away - points.mean(axis=0)
-    return [numbers[k] for k in row]
-
-
 def tangent_lines(ellipse: Ellipse, shift: Array) -> Array:
     """Return the two lines tangent to an ellipse and to its copy, (2, 2, 2) px."""
     x, y = ellipse.unit(ellipse.center + shift[None])[0]
     across = np.array((-y, x)) / max(float(np.hypot(x, y)), 1e-12) @ ellipse.axes
     begin = ellipse.center + np.array((across, -across))
     return np.stack((begin, begin + shift), axis=1)
-
-
-@dataclass(frozen=True, eq=False)
-class _End:
-    """An end of a straight stroke, or of a row of dashes: the number is −1 then."""
-
-    number: int
-    line: Array
-    place: Array
-    way: Array
-    members: tuple[int, ...]
-
-
-def _both_ends(number: int, line: Array, members: tuple[int, ...]) -> list[_End]:
-    """Return both ends of a line, (2, 2); each way leads from the end along the line."""
-    span = line[1] - line[0]
-    length = float(np.linalg.norm(span))
-    if not length > 0.0:
-        return []
-    way = span / length
-    return [
-        _End(number, line, line[0], way, members),
-        _End(number, line, line[1], -way, members),
-    ]
-
-
-def _ends(arc: Array) -> list[tuple[Array, Array]]:
-    """Return both ends of an arc, each with the direction in which a line would go on."""
-    ways = directions(arc)
-    before, after = -ways[:4].mean(axis=0), ways[-4:].mean(axis=0)
-    return [
-        (arc[0], before / np.linalg.norm(before)),
-        (arc[-1], after / np.linalg.norm(after)),
-    ]
-
-
-def _line_at(lines: Sequence[_End], place: Array, way: Array, reach: float) -> _End | None:
-    """Return the nearest of some ends from which a line goes on where something else ends.
-
-    Along a row of dashes half of the distance counts: a dash of the arc may be taken for one of it.
-    """
-    best: tuple[float, _End] | None = None
-    for each in lines:
-        away = each.place - place
-        apart = float(np.linalg.norm(away))
-        if each.number < 0:
-            along = float(away @ each.way)
-            apart = float(np.hypot(0.5 * along, np.linalg.norm(away - along * each.way)))
-        if apart < (reach if best is None else best[0]) and float(each.way @ way) > GOES_ON:
-            best = apart, each
-    return None if best is None else best[1]
-
-
-def _corners(arc: Array, begin: _End, end: _End) -> Array | None:
-    """Return where the lines at both ends of an arc would meet, or the corners of a square end."""
-    first, one, second, other = begin.place, begin.way, end.place, end.way
-    if float(one @ other) > TURNED_BACK:
-        forward = -(one + other)
-        forward = forward / np.linalg.norm(forward)
-        across = second - first
-        system = np.column_stack((forward, across))
-        if abs(float(np.linalg.det(system))) < 0.2 * np.linalg.norm(across):
-            return None
-        reached = float(np.linalg.solve(system, (arc - first).T)[0].max())
-        return np.stack((first + reached * forward, second + reached * forward))
-    system = np.column_stack((one, -other))
-    if abs(float(np.linalg.det(system))) < np.sin(np.radians(15.0)):
-        return None
-    back, _ = np.linalg.solve(system, second - first)
-    corner = first + back * one
-    ahead = float((corner - second) @ other)
-    return corner[None] if back < 0.0 and ahead < 0.0 else None
 
 
 def _light(strokes: Sequence[Stroke], lengths: Array, size: float) -> Flags:
