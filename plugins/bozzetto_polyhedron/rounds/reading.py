@@ -85,8 +85,9 @@ diagonals."""
 BOW_SHARE: Final = 0.5
 """Least share of that height."""
 
-LEAST_MEANT: Final = 0.012
-"""Height, in diagonals, below which a bow says nothing: lines bow by half of it."""
+LEAST_MEANT, SURE_SHARE, LEAST_CHORD = 0.015, 0.7, 0.1
+"""Height, in diagonals, below which a bow says nothing by itself, for lines bow by less than half of
+it; least share of it that is drawn then; and the shortest chord, in diagonals."""
 
 BEVEL: Final = 0.75
 """Share of the chord of an arc from which on a straight line in its place is a bevel."""
@@ -628,7 +629,10 @@ class _Reader:
         side = -1.0 if outward[0] * chord[1] - outward[1] * chord[0] > 0 else 1.0
         height = float((-side * heights).max())
         meant = 0.5 * length * float(np.tan(0.25 * turn))
-        if height < BOW_SHARE * meant or (sure and meant < LEAST_MEANT * self.size):
+        share = SURE_SHARE if sure else BOW_SHARE
+        if height < share * meant or (
+            sure and (meant < LEAST_MEANT * self.size or length < LEAST_CHORD * self.size)
+        ):
             return False
         return abs(height - meant) < BOW_OFF * self.size
 
