@@ -86,8 +86,8 @@ BOW_SHARE: Final = 0.5
 """Least share of that height."""
 
 LEAST_MEANT, SURE_SHARE, LEAST_CHORD = 0.015, 0.7, 0.1
-"""Height, in diagonals, below which a bow says nothing by itself, for lines bow by less than half of
-it; least share of it that is drawn then; and the shortest chord, in diagonals."""
+"""Height, in diagonals, below which a bow says nothing by itself, for lines bow by less than half
+of it; least share of it that is drawn then; and the shortest chord, in diagonals."""
 
 BEVEL: Final = 0.75
 """Share of the chord of an arc from which on a straight line in its place is a bevel."""
