@@ -22,6 +22,8 @@ from tests.plugins.polyhedron.machine_parts import MACHINE, machine_part
 from tests.plugins.polyhedron.objects import TO_CANVAS, Polyhedron, made, view
 from tests.plugins.polyhedron.workshop_parts import WORKSHOP, workshop_part
 
+FAMILIES = ("random", "parts", "workshop", "machine", "fine")
+
 
 def rounds_in(solid: Polyhedron, seed: int, hand: Hand) -> list[int] | None:
     """Return how many rims and bends are read in the drawing of a solid; None without a view."""
@@ -38,6 +40,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--first", type=int, default=64_000)
+    parser.add_argument("--families", nargs="*", default=FAMILIES)
     asked = parser.parse_args()
     seeds = range(asked.first, asked.first + asked.count)
     views = seeds[: max(1, asked.count // 30)]
@@ -56,7 +59,8 @@ def main() -> None:
     }
     print("| drawings | jitter | with a rim | with a rounded edge |")
     print("| --- | --- | --- | --- |")
-    for word, (names, maker, numbers) in families.items():
+    for word in asked.families:
+        names, maker, numbers = families[word]
         for told, hand in hands.items():
             found = []
             for name in names:
