@@ -18,6 +18,8 @@ from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.ranking import SURE
+from bozzetto_polyhedron.rounds.on_bodies import LEFT_OUT
+from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.triangulation import genus_of
 from bozzetto_polyhedron.solve.bars import OF_BARS
@@ -68,7 +70,9 @@ def report_of(
         each the outer ring, then its holes), ``"closed"``, ``"genus"``, ``"answers"`` (the
         likeliest first: ``"confidence"`` and ``"vertices"``), ``"answer"`` (which of them is
         shown, counted from 1; 0 for none), ``"confidence"``, ``"residual_px"``, ``"noise_px"``,
-        ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``; of bars that lie flat
+        ``"health"`` (``"place"``, ``"what"`` and ``"sentence"``), ``"told"``;
+        ``"round"`` (``"ellipses"`` and ``"arcs"`` that were read so, ``"cylinders"`` of the solid,
+        those drawn on it later among them, and ``"left_out"``); of bars that lie flat
         without `OF_SOLIDS` and findings `OF_BARS`. The same of all bodies in ``"bodies"``, each
         with its ``"id"`` and ``"name"``. Where something moves, ``"mechanism"``: ``"pieces"``,
         ``"freedoms"``, ``"redundant"`` and ``"joint_gap_mm"``.
@@ -157,10 +161,24 @@ def _entry(body: Body, found: Solved) -> dict[str, Any]:
             if body.moves != "flat" or each.what not in OF_BARS
         ],
         "told": list(_told(found)),
+        "round": _round(body, found),
     }
     if body.moves == "flat":
         entry = {name: value for name, value in entry.items() if name not in OF_SOLIDS}
     return entry
+
+
+def _round(body: Body, found: Solved) -> dict[str, int]:
+    """Return how many ellipses and arcs were read as round, and how many cylinders that makes."""
+    reading = straightened(body.strokes, body.evidence).reading
+    circles = 0 if found.changed is None else len(found.changed.circles)
+    told = () if found.changed is None else found.changed.told
+    return {
+        "ellipses": 0 if reading is None else len(reading.rims),
+        "arcs": 0 if reading is None else len(reading.bends),
+        "cylinders": circles,
+        "left_out": sum(each.startswith(LEFT_OUT) for each in told),
+    }
 
 
 def _mechanism(state: PolyhedronState, sources: Sources) -> dict[str, Any]:

@@ -67,7 +67,7 @@ def draw_hidden_edges(state: PolyhedronState, context: Context) -> PolyhedronSta
     drawn = without_guessed(body)
     if not drawn:
         raise UserError(_TOO_FEW)
-    graph = graph_of_visible_ink(drawn, never)
+    graph = graph_of_visible_ink(drawn, body.evidence, never)
     guesses = hidden_lines(graph, drawn[0].camera)
     if not guesses:
         raise UserError(_why_none(graph))

@@ -69,7 +69,7 @@ class Circle:
         Root mean square distance of the ink, over the radius, on the sheet; on a face from the
         ellipse that was drawn for the circle, where that is nearer and no more than `OVAL`.
     sweep : float
-        Angle of an arc, radians, less than half a turn; a whole turn for a circle.
+        Angle of an arc, radians, at most half a turn; a whole turn for a circle.
     """
 
     center: Array
@@ -121,6 +121,27 @@ def circle_on_face(body: PlanarBody, stroke: ArrayLike, camera: Camera) -> Circl
     if found is None or found.deviation >= ROUND or _turned(found, pixels, camera) < ALL_ROUND:
         return None
     return found
+
+
+def circle_in_plane(
+    points: ArrayLike, camera: Camera, normal: Array, offset: float, face: int
+) -> Circle | None:
+    """Return the circle in the plane of a face that is seen as points; None where it is none.
+
+    Parameters
+    ----------
+    points : (n, 2) array_like
+        Canvas px, in their order.
+    camera : Camera
+        Through which they are seen.
+    normal : (3,) float64
+        Of the plane.
+    offset : float
+        Of the plane, mm.
+    face : int
+        Number of the face, which the circle gets.
+    """
+    return _fitted(_samples(points), camera, normal, offset, face, oval=True)
 
 
 def _turned(circle: Circle, pixels: Array, camera: Camera) -> float:

@@ -33,6 +33,9 @@ EDGE_ON: Final = 1e-3
 """Cosine of the angle between an end's normal and the axis below which it ends nothing."""
 
 
+BEYOND: Final = 0.25
+"""How far the tool that rounds an end reaches beyond it, in radii."""
+
 LEAST_TURN: Final = 1e-6
 """Angle, radians, below which two places of an arc are too close to be told apart."""
 
@@ -138,6 +141,84 @@ def rounded_edge(
     return combined(body, tool, "difference" if convex else "union"), circle
 
 
+def rounded_end(
+    body: PlanarBody, first: tuple[int, int], second: tuple[int, int]
+) -> tuple[PlanarBody, Circle]:
+    """Round the end of a plate by half a turn: the face between two edges becomes a cylinder.
+
+    Parameters
+    ----------
+    body : PlanarBody
+        A closed one.
+    first, second : (int, int)
+        Numbers of the vertices of two parallel edges of one face, square to both faces beside it.
+
+    Returns
+    -------
+    body : PlanarBody
+        With strips in the place of the cylinder.
+    circle : Circle
+        The arc that they stand for: half a turn.
+
+    Raises
+    ------
+    UserError
+        If there are no such edges.
+    """
+    one, two, start, end = edge_faces(body, first)
+    between = {one, two} & set(edge_faces(body, second)[:2])
+    if len(between) != 1:
+        raise UserError("These edges do not bound one face. Choose two that do.")
+    (last,) = between
+    beside = two if last == one else one
+    other = next(k for k in edge_faces(body, second)[:2] if k != last)
+    inward, across = faces_at_edge(body, first)
+    if last == one:
+        inward, across = across, inward
+    along = body.vertices[end] - body.vertices[start]
+    along = along / np.linalg.norm(along)
+    corner = body.vertices[start]
+    gap = body.vertices[list(second)] - corner
+    radius = 0.5 * float(gap[0] @ across)
+    square = max(
+        *np.abs(gap @ across - 2.0 * radius),
+        *np.abs(gap @ inward),
+        float(np.abs(body.normals[other] + body.normals[beside]).max()) * radius,
+        abs(float(across @ inward)) * radius,
+    )
+    if not radius > 0.0 or square > ALONG * radius:
+        raise UserError("This end is not square. Round its edges one by one.")
+    center = corner + radius * (across + inward)
+    circle = Circle(center, along, radius, -1, 0.0, sweep=pi)
+    away = np.array((-across, -inward))
+    arc, strips, inner = _strips(circle, away)
+    convex = bool(across @ body.normals[beside] < 0)
+    side = 1.0 if convex else -1.0
+    beyond = corner - BEYOND * radius * inward
+    line = np.concatenate((arc, [beyond + 2.0 * radius * across, beyond]))
+    walls = np.array(
+        (
+            *strips,
+            side * body.normals[other],
+            side * body.normals[last],
+            side * body.normals[beside],
+        )
+    )
+    offsets = np.array(
+        (
+            *inner,
+            side * body.offsets[other],
+            side * body.offsets[last] + BEYOND * radius,
+            side * body.offsets[beside],
+        )
+    )
+    caps = [
+        cap_at(body, vertex, (one, two), out) for vertex, out in ((start, -along), (end, along))
+    ]
+    tool = _prism_between(line, walls, offsets, caps, along)
+    return combined(body, tool, "difference" if convex else "union"), circle
+
+
 def half_angle(body: PlanarBody, edge: tuple[int, int]) -> float:
     """Return half of the angle between the two faces at an edge, radians.
 
@@ -231,24 +312,43 @@ def _tool(body: PlanarBody, edge: tuple[int, int], circle: Circle, away: Array) 
     """
     one, two, start, end = edge_faces(body, edge)
     along = circle.axis
-    step = circle.sweep / circle.sides
-    turns = step * np.arange(circle.sides + 1)
-    arc = circle.center + circle.radius * np.column_stack((np.cos(turns), np.sin(turns))) @ away
+    arc, strips, inner = _strips(circle, away)
     line = np.concatenate((body.vertices[start][None], arc))
     caps = [
         cap_at(body, vertex, (one, two), out) for vertex, out in ((start, -along), (end, along))
     ]
-    rings = [
-        line + np.multiply.outer((offset - line @ normal) / (along @ normal), along)
-        for normal, offset in caps
-    ]
-    middles = turns[:-1] + 0.5 * step
-    strips = -np.column_stack((np.cos(middles), np.sin(middles))) @ away
-    inner = strips @ circle.center - circle.apothem
     filled = bool(away[1] @ body.normals[two] < 0)  # the edge is an inner one
     side = -1.0 if filled else 1.0
     walls = np.array((side * body.normals[one], *strips, side * body.normals[two]))
     offsets = np.array((side * body.offsets[one], *inner, side * body.offsets[two]))
+    return _prism_between(line, walls, offsets, caps, along)
+
+
+def _strips(circle: Circle, away: Array) -> tuple[Array, Array, Array]:
+    """Return the corners of the strips of an arc, and their planes: they look at the axis.
+
+    `away` are the directions from the axis to where the arc begins, and across that, (2, 3).
+    """
+    step = circle.sweep / circle.sides
+    turns = step * np.arange(circle.sides + 1)
+    arc = circle.center + circle.radius * np.column_stack((np.cos(turns), np.sin(turns))) @ away
+    middles = turns[:-1] + 0.5 * step
+    strips = -np.column_stack((np.cos(middles), np.sin(middles))) @ away
+    return arc, strips, strips @ circle.center - circle.apothem
+
+
+def _prism_between(
+    line: Array,
+    walls: Array,
+    offsets: Array,
+    caps: Sequence[tuple[Array, float]],
+    along: Array,
+) -> PlanarBody:
+    """Return the prism over a ring of corners, with a wall from each to the next, and two caps."""
+    rings = [
+        line + np.multiply.outer((offset - line @ normal) / (along @ normal), along)
+        for normal, offset in caps
+    ]
     count = len(line)
     vertices = np.concatenate(rings)
     below, above = tuple(range(count)), tuple(range(count, 2 * count))
@@ -405,11 +505,11 @@ def _on_cylinder(
 
 def _spokes(body: PlanarBody, circle: Circle, chain: Sequence[int]) -> Array:
     """Return unit vectors from the axis to where an arc begins, and across it, (2, 3)."""
-    begin, end = body.vertices[[chain[0], chain[-1]]] - circle.center
+    begin, middle = body.vertices[[chain[0], chain[len(chain) // 2]]] - circle.center
     first = begin - (begin @ circle.axis) * circle.axis
     first = first / np.linalg.norm(first)
     across = np.cross(circle.axis, first)
-    return np.array((first, across if end @ across > 0 else -across))
+    return np.array((first, across if middle @ across > 0 else -across))
 
 
 def run_of(ring: Sequence[int], chain: Sequence[int]) -> tuple[int, bool] | None:

@@ -39,8 +39,8 @@ SENTENCES: Final[dict[FindingKind, str]] = {
     "solid; if it is wrong, erase lines that run close together and draw them farther apart.",
     "open faces": "The faces do not close here: a line is missing, or it ends at the wrong corner. "
     "Erase lines that run close together and draw them farther apart.",
-    "curved stroke": "This stroke is curved, and edges here are straight. Erase it and draw it "
-    "straight.",
+    "curved stroke": "This stroke is curved, and no clear ellipse or rounded corner. Erase it and "
+    "draw it again.",
 }
 """For each kind of finding, what to do about it."""
 

@@ -232,6 +232,22 @@ def _path_length(path: Array) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
+def is_curved(stroke: Drawn, size: float) -> bool:
+    """Return whether a stroke is neither a line nor made of lines.
+
+    Parameters
+    ----------
+    stroke : Drawn
+        One stroke.
+    size : float
+        Diagonal of the drawing, px.
+    """
+    path = _resampled(samples_of(stroke))
+    if path is None or _path_length(path) < SHORTEST * size:
+        return False
+    return _straight_runs(path, size) is None
+
+
 def _straight_runs(path: Array, size: float) -> list[tuple[int, int]] | None:
     """First and last sample of each straight run of a stroke; None if it is curved."""
     whole = [(0, len(path) - 1)]
@@ -266,7 +282,7 @@ def _cut_at_ends(
         if not len(inner):
             made.append((first, last))
             continue
-        cost = _line_costs(path) if cost is None else cost
+        cost = line_costs(path) if cost is None else cost
         corner = int(inner[int((cost[first, inner] + cost[inner, last]).argmin())])
         halves = [(first, corner), (corner, last)]
         before, after = (_direction(path[a : b + 1]) for a, b in halves)
@@ -310,7 +326,7 @@ def _deviation(path: Array) -> float:
 
 def _polyline(path: Array, tolerance: float) -> list[tuple[int, int]]:
     """Fit the fewest straight runs within a root mean square distance, by dynamic programming."""
-    cost = _line_costs(path)
+    cost = line_costs(path)
     count = len(path)
     best = [cost[0]]
     came: list[Index] = []
@@ -328,7 +344,7 @@ def _polyline(path: Array, tolerance: float) -> list[tuple[int, int]]:
     return [(0, at), *runs[::-1]]
 
 
-def _line_costs(path: Array) -> Array:
+def line_costs(path: Array) -> Array:
     """Return sums of squared distances of samples i … j from their principal axis, (n, n)."""
     values = np.column_stack([np.ones(len(path)), path, path**2, path[:, 0] * path[:, 1]])
     sums = np.vstack([np.zeros(6), np.cumsum(values, axis=0)])

@@ -185,6 +185,18 @@ class Body(Part):
             choices=(("light", "Drawn lightly"), ("unmarked", "Drawn like the others")),
         ),
     ] = "light"
+    rounds: Annotated[
+        Literal["clear", "all", "none"],
+        Parameter(
+            "Ellipses",
+            help="What of the drawing is round: ellipses, and arcs between two lines.",
+            choices=(
+                ("clear", "Round where that is clear"),
+                ("all", "Round wherever it may be"),
+                ("none", "Nothing is round"),
+            ),
+        ),
+    ] = "clear"
     wall: Annotated[
         float, Parameter("Sheet", 0.0, 1e4, unit="mm", zero="solid", help="Thickness of its faces.")
     ] = 0.0
@@ -214,6 +226,11 @@ class Body(Part):
         ),
     ] = "closed"
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this solid.")] = None
+
+    @property
+    def evidence(self) -> Literal["clear", "all", "none"]:
+        """How much evidence reading something as round needs; bars are never round."""
+        return "none" if self.moves == "flat" else self.rounds
 
     def __post_init__(self) -> None:
         for camera in {stroke.camera for stroke in self.strokes}:

@@ -21,7 +21,7 @@ def is_of_bars(body: Body) -> bool:
     """Return whether a drawing that nobody turned has lines that end alone: no solid has any."""
     if body.choice is not None or body.moves != "whole" or not len(body.strokes):
         return False
-    health = graph_of_ink(body.strokes, never).health
+    health = graph_of_ink(body.strokes, body.evidence, never).health
     return any(finding.what == "loose end" for finding in health)
 
 

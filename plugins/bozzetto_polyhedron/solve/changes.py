@@ -51,7 +51,7 @@ THROUGH: Final = float("-inf")
 
 
 def changed_body(
-    body: PlanarBody,
+    drawn: Changed,
     changes: Sequence[Change],
     others: Mapping[str, Changed] | None = None,
     placement: Placement | None = None,
@@ -60,8 +60,8 @@ def changed_body(
 
     Parameters
     ----------
-    body : PlanarBody
-        As it was reconstructed.
+    drawn : Changed
+        As it was reconstructed, with what was drawn round.
     changes : sequence of Change
         In their order.
     others : mapping of str to Changed, optional
@@ -75,7 +75,7 @@ def changed_body(
     Changed
         What could not be done is left out and told.
     """
-    made = Changed(body)
+    made = drawn
     for change in changes:
         try:
             made = after(made, change, others, placement)

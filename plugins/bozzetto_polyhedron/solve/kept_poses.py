@@ -171,13 +171,13 @@ def _redrawn(body: Body, places: Array) -> tuple[Body, Array]:
     The ink of each bar is turned with it. Where corners are found from it follows from all ink that
     meets there, so it is then brought nearer to them, step by step.
     """
-    camera, graph = camera_of(body), graph_of_ink(body.strokes, never)
+    camera, graph = camera_of(body), graph_of_ink(body.strokes, body.evidence, never)
     meant: Array = camera.project(body.placement.inverse().points(places))[0]
     extent = float(np.linalg.norm(np.ptp(meant, axis=0)))
     ink, nearest = body.strokes, float("inf")
     trial = carried(body.strokes, graph, graph.places, meant)
     for _ in range(ROUNDS):
-        found = graph_of_ink(trial, never)
+        found = graph_of_ink(trial, body.evidence, never)
         same = _same_corners(graph, found, meant)
         if same is None:
             break

@@ -8,6 +8,7 @@ nearly meets. Lengths are shares of the drawing's diagonal, as in `graph.health`
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,10 +18,13 @@ from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto_polyhedron.graph.health import CLOSE, GAP
 from bozzetto_polyhedron.graph.line_graph import Finding, FindingKind, LineGraph
+from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.solve.kept_poses import carried
 from bozzetto_polyhedron.solve.pipeline import graph_of_ink, never
 
-MENDABLE: Final[frozenset[FindingKind]] = frozenset(("gap", "tick", "close corners", "loose end"))
+MENDABLE: Final[frozenset[FindingKind]] = frozenset(
+    ("gap", "tick", "close corners", "loose end", "curved stroke")
+)
 """What a touch mends; of all else only a person knows what is meant."""
 
 AHEAD: Final = np.cos(np.radians(25.0))
@@ -33,13 +37,13 @@ SAMPLES: Final = 24
 """Places along a line that is drawn across a gap."""
 
 
-def mended(strokes: Strokes, graph: LineGraph, finding: Finding) -> Strokes:
-    """Return the ink of a drawing without what a finding points at.
+def mended(body: Body, graph: LineGraph, finding: Finding) -> Body:
+    """Return a body whose drawing is without what a finding points at.
 
     Parameters
     ----------
-    strokes : Strokes
-        Of the drawing.
+    body : Body
+        With the drawing.
     graph : LineGraph
         Its lines, with the finding in their health.
     finding : Finding
@@ -50,7 +54,9 @@ def mended(strokes: Strokes, graph: LineGraph, finding: Finding) -> Strokes:
     UserError
         If only a person can know what is meant; with what to do.
     """
-    place = np.asarray(finding.place)
+    if finding.what == "curved stroke":
+        return read_round(body, finding)
+    strokes, place = body.strokes, np.asarray(finding.place)
     degrees = np.bincount(graph.lines.ravel(), minlength=len(graph.places))
     loose = np.flatnonzero(degrees == 1)
     size = float(np.linalg.norm(np.ptp(graph.places, axis=0)))
@@ -72,7 +78,24 @@ def mended(strokes: Strokes, graph: LineGraph, finding: Finding) -> Strokes:
         raise UserError(finding.sentence)
     if any(
         each.what == finding.what and np.hypot(*(np.asarray(each.place) - place)) < CLOSE * size
-        for each in graph_of_ink(made, never).health
+        for each in graph_of_ink(made, body.evidence, never).health
+    ):
+        raise UserError(f"This could not be mended by a touch. {finding.sentence}")
+    return replace(body, strokes=made)
+
+
+def read_round(body: Body, finding: Finding) -> Body:
+    """Return a body in whose drawing all is round that may be, so that a curved stroke is.
+
+    Raises
+    ------
+    UserError
+        If it is not round even so.
+    """
+    made = replace(body, rounds="all")
+    if any(
+        each.what == "curved stroke" and each.place == finding.place
+        for each in graph_of_ink(made.strokes, made.evidence, never).health
     ):
         raise UserError(f"This could not be mended by a touch. {finding.sentence}")
     return made
@@ -98,7 +121,7 @@ def _without_tick(strokes: Strokes, graph: LineGraph, place: Array) -> Strokes:
 def _across(strokes: Strokes, graph: LineGraph, one: int, other: int) -> Stroke:
     """Return a stroke from one corner to another, as firm as the line that ends at the first."""
     x, y = np.linspace(graph.places[one], graph.places[other], SAMPLES).T
-    like = strokes[_strokes_at(graph, one)[0]]
+    like = strokes[next(iter(_strokes_at(graph, one)), 0)]
     pressure = np.full(SAMPLES, np.median(like.pressure)) if like.has_pressure else None
     return Stroke(x, y, like.camera, pressure=pressure)
 

@@ -21,6 +21,9 @@ from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, Polyh
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
+from bozzetto_polyhedron.rounds.on_bodies import shows_column, with_rounds
+from bozzetto_polyhedron.rounds.reading import Evidence
+from bozzetto_polyhedron.rounds.straightened import Straightened, straightened
 from bozzetto_polyhedron.solid.equal_lengths import with_equal_lengths
 from bozzetto_polyhedron.solid.exact import exact_body
 from bozzetto_polyhedron.solid.hand_over import mesh_of
@@ -108,18 +111,19 @@ def solved(
     preview: they are what a person who draws has to see at once.
     """
     if body.choice is None and quality == "preview":
-        return Solved(graph_while_drawn(body.strokes, checkpoint))
-    graph = graph_of_ink(body.strokes, checkpoint)
+        return Solved(graph_while_drawn(body.strokes, body.evidence, checkpoint))
+    graph = graph_of_ink(body.strokes, body.evidence, checkpoint)
     if body.choice is None and graph.health:
         return Solved(graph)
-    answers = answers_of_ink(body.strokes, body.hidden, checkpoint)
+    answers = answers_of_ink(body.strokes, body.evidence, body.hidden, checkpoint)
     if not answers:
         return Solved(graph, problem="These lines make no shape yet. Draw on.")
     number = chosen_number(answers, body.choice, body.answer)
     checkpoint(0.9, "Exact planes")
     try:
         base = _base(body, state, graph, answers, number, checkpoint)
-        made = changed_body(base, state.changes_of(body), _others(body, state), body.placement)
+        drawn = rounded(base, body, graph)
+        made = changed_body(drawn, state.changes_of(body), _others(body, state), body.placement)
         left, told = opened(made.body, body, state)
         made = replace(made, body=left, told=(*made.told, *told))
         placed = placed_changes(made, body.placement)
@@ -189,15 +193,23 @@ def placed_changes(made: Changed, placement: Placement) -> Changed:
     return made.mapped(lambda body: placed_body(body, placement), placement.points, placement.scale)
 
 
-def _drawn(body: Body, state: PolyhedronState) -> PlanarBody | None:
+def rounded(base: PlanarBody, body: Body, graph: LineGraph) -> Changed:
+    """Return the exact body of straight lines with what was drawn round in it."""
+    found = straightened(body.strokes, body.evidence)
+    if found.reading is None:
+        return Changed(base)
+    return with_rounds(base, graph, found, body.strokes[0].camera)
+
+
+def _drawn(body: Body, state: PolyhedronState) -> Changed | None:
     """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
-    graph = graph_of_ink(body.strokes, never)
-    answers = answers_of_ink(body.strokes, body.hidden, never)
+    graph = graph_of_ink(body.strokes, body.evidence, never)
+    answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
     if not answers:
         return None
     number = chosen_number(answers, body.choice, body.answer)
     try:
-        return _base(body, state, graph, answers, number, never)
+        return rounded(_base(body, state, graph, answers, number, never), body, graph)
     except UserError:
         return None
 
@@ -216,6 +228,7 @@ def _base(
     up = turned[6:9] if dimensions else UP
     return exact_body_of_ink(
         body.strokes,
+        body.evidence,
         body.hidden,
         number,
         state.exact,
@@ -256,29 +269,50 @@ def _without_checkpoint(*asked: Any) -> Hashable:
 
 
 @remembered(limit=64, key=_without_checkpoint)
-def graph_of_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
-    """Return the lines of a drawing and the corners in which they meet."""
-    return without_findings_at_flaps(in_order(_searched(strokes, checkpoint).graph))
+def graph_of_ink(strokes: Strokes, rounds: Evidence, checkpoint: Checkpoint) -> LineGraph:
+    """Return the lines of a drawing and the corners in which they meet.
+
+    What is round is left out of it; `rounds` says how much evidence that needs. Lines have the
+    numbers of the strokes that were drawn.
+    """
+    found = straightened(strokes, rounds)
+    graph = without_findings_at_flaps(in_order(_searched(found.strokes, checkpoint).graph))
+    return _as_drawn(graph, found)
 
 
 @remembered(limit=16, key=_without_checkpoint)
-def graph_of_visible_ink(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
+def graph_of_visible_ink(strokes: Strokes, rounds: Evidence, checkpoint: Checkpoint) -> LineGraph:
     """Return the lines of a drawing in which hidden ones are left out."""
-    return in_order(searched(strokes, checkpoint=checkpoint, only_visible=True).graph)
+    found = straightened(strokes, rounds)
+    graph = in_order(searched(found.strokes, checkpoint=checkpoint, only_visible=True).graph)
+    return _as_drawn(graph, found)
 
 
 @remembered(limit=64, key=_without_checkpoint)
-def graph_while_drawn(strokes: Strokes, checkpoint: Checkpoint) -> LineGraph:
+def graph_while_drawn(strokes: Strokes, rounds: Evidence, checkpoint: Checkpoint) -> LineGraph:
     """Return the lines of a drawing soon after its last stroke.
 
     It continues what was found, by the whole search, before that stroke; nobody waits for that, for
     it was shown then. So it is the same whatever was asked before.
     """
     if len(strokes) < 2:
-        return graph_of_ink(strokes, checkpoint)
-    earlier = strokes[:-1]
+        return graph_of_ink(strokes, rounds, checkpoint)
+    earlier = straightened(strokes[:-1], rounds).strokes
+    found = straightened(strokes, rounds)
     before = replace(_searched(earlier, checkpoint), strokes=tuple(earlier))
-    return in_order(continued(before, strokes, checkpoint=checkpoint).graph)
+    graph = in_order(continued(before, found.strokes, checkpoint=checkpoint).graph)
+    return _as_drawn(graph, found)
+
+
+def _as_drawn(graph: LineGraph, found: Straightened) -> LineGraph:
+    """Return a graph with the numbers of strokes as they were drawn."""
+    if found.reading is None:
+        return graph
+    return replace(
+        graph,
+        strokes=tuple(found.drawn(numbers) for numbers in graph.strokes),
+        dropped=found.drawn(graph.dropped),
+    )
 
 
 @remembered(limit=64, key=_without_checkpoint)
@@ -288,19 +322,27 @@ def _searched(strokes: Strokes, checkpoint: Checkpoint) -> LiveGraph:
 
 
 @remembered(limit=64, key=_without_checkpoint)
-def answers_of_ink(strokes: Strokes, hidden: str, checkpoint: Checkpoint) -> tuple[Answer, ...]:
+def answers_of_ink(
+    strokes: Strokes, rounds: Evidence, hidden: str, checkpoint: Checkpoint
+) -> tuple[Answer, ...]:
     """Return the answers of a drawing, the likeliest first."""
-    graph = graph_of_ink(strokes, checkpoint)
+    graph = graph_of_ink(strokes, rounds, checkpoint)
     if not len(graph.lines):
         return ()
     if hidden == "unmarked":
         graph = replace(graph, light=0.0 * graph.light)
-    return answers_of(graph, strokes[0].camera, checkpoint=checkpoint, most=MOST_ANSWERS)
+    found = answers_of(graph, strokes[0].camera, checkpoint=checkpoint, most=MOST_ANSWERS)
+    column = straightened(strokes, rounds).column
+    if column is None:
+        return found
+    round_ones = (each for each in found if shows_column(each.vertices, graph, column))
+    return tuple(round_ones) or found
 
 
 @remembered(limit=64, key=_without_checkpoint)
 def exact_body_of_ink(
     strokes: Strokes,
+    rounds: Evidence,
     hidden: str,
     number: int,
     right_angles: bool,
@@ -311,9 +353,9 @@ def exact_body_of_ink(
     checkpoint: Checkpoint,
 ) -> PlanarBody:
     """Return an answer of a drawing with exact planes, in the frame of the drawing."""
-    answer = answers_of_ink(strokes, hidden, checkpoint)[number]
+    answer = answers_of_ink(strokes, rounds, hidden, checkpoint)[number]
     camera = strokes[0].camera
-    noise = graph_of_ink(strokes, checkpoint).noise / camera.pixels_per_mm
+    noise = graph_of_ink(strokes, rounds, checkpoint).noise / camera.pixels_per_mm
     fit = partial(
         exact_body,
         answer,

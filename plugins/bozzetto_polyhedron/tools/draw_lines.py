@@ -82,7 +82,7 @@ class DrawLines(ErasingTool):
             return step_of_followed(state)
         if body is None:
             return NextStep(FIRST)
-        graph = graph_of_ink(body.strokes, never)
+        graph = graph_of_ink(body.strokes, body.evidence, never)
         if len(graph.lines) < FEWEST:
             return NextStep("Go on: every edge of the solid, the hidden ones lightly.")
         if graph.health:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -26,7 +25,10 @@ class Mend(ErasingTool):
     id = "mend"
     title = "Mend"
     icon = "icons/mend.svg"
-    hint = "Touch a mark: it closes a gap, erases a tick, joins two corners or draws a line on."
+    hint = (
+        "Touch a mark: it closes a gap, erases a tick, joins two corners, draws a line on or reads "
+        "a curve as round."
+    )
     gesture = "tap"
     group = "Corrections"
 
@@ -35,7 +37,7 @@ class Mend(ErasingTool):
         """Mend the ink at the mark that is touched."""
         best: tuple[float, Body, LineGraph, Finding] | None = None
         for body in state.shown(Body):
-            graph = graph_of_ink(body.strokes, never)
+            graph = graph_of_ink(body.strokes, body.evidence, never)
             if not graph.health:
                 continue
             marks = on_sheet(body, np.array([each.place for each in graph.health], float))
@@ -46,7 +48,7 @@ class Mend(ErasingTool):
         if best is None:
             raise UserError(NOTHING)
         _, body, graph, finding = best
-        return state.with_node(replace(body, strokes=mended(body.strokes, graph, finding)))
+        return state.with_node(mended(body, graph, finding))
 
     @override
     def next_step(self, state: PolyhedronState) -> NextStep:
@@ -54,7 +56,7 @@ class Mend(ErasingTool):
         left = [
             (body, each)
             for body in state.shown(Body)
-            for each in graph_of_ink(body.strokes, never).health
+            for each in graph_of_ink(body.strokes, body.evidence, never).health
         ]
         for body, finding in left:
             if finding.what in MENDABLE:

@@ -12,6 +12,8 @@ from bozzetto_polyhedron.graph.line_graph import Finding, LineGraph
 from bozzetto_polyhedron.model.same_view import camera_of, on_sheet
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.reconstruction.answer import Answer
+from bozzetto_polyhedron.rounds.ellipses import TURN
+from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solve.pipeline import Solved
 from bozzetto_polyhedron.solve.spots import places_of_findings
 
@@ -23,6 +25,9 @@ INK_OPACITY: Final = 0.45
 
 UNDER_OPACITY: Final = 0.25
 """Of ink on the edges of a solid: the edges are what counts then."""
+
+ROUND_SAMPLES: Final = 73
+"""Points of an ellipse that is shown."""
 
 CORNER_SIZE, FINDING_SIZE = 6.0, 13.0
 """Diameters of corners and of findings, px."""
@@ -56,7 +61,7 @@ def line_items(body: Body, graph: LineGraph) -> list[Item]:
     if not len(graph.lines):
         return []
     places = on_sheet(body, graph.places)
-    light = graph.light >= MARKED
+    light = (graph.light >= MARKED) | np.array([not own for own in graph.strokes])
     items = [
         segments(places[lines], "ink", width)
         for lines, width in (
@@ -67,7 +72,31 @@ def line_items(body: Body, graph: LineGraph) -> list[Item]:
     ]
     return [
         *items,
+        *_round_items(body),
         Points(places.astype(np.float32), color="accent", size=CORNER_SIZE, hidden="show"),
+    ]
+
+
+def _round_items(body: Body) -> list[Item]:
+    """Return the ellipses and arcs that were understood as round."""
+    reading = straightened(body.strokes, body.evidence).reading
+    if reading is None:
+        return []
+    turn = np.linspace(0.0, TURN, ROUND_SAMPLES)
+    curves = [(rim.ellipse.at(turn), rim.light) for rim in reading.rims]
+    curves += [
+        each
+        for bend in reading.bends
+        for each in zip((bend.arc, bend.arc + bend.shift), bend.light, strict=True)
+    ]
+    return [
+        Lines(
+            on_sheet(body, curve).astype(np.float32),
+            color="ink",
+            width=LIGHT_WIDTH if light else LINE_WIDTH,
+            hidden="show",
+        )
+        for curve, light in curves
     ]
 
 

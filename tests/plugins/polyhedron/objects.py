@@ -505,7 +505,7 @@ def view(solid: Polyhedron, seed: int, distance: float | None = None) -> View | 
     rng = np.random.default_rng((7, seed))
     for _ in range(120):
         space = solid.vertices - solid.vertices.mean(0)
-        space = np.roll(space, rng.integers(3), axis=1) @ _rotation(rng).T
+        space = np.roll(space, rng.integers(3), axis=1) @ random_rotation(rng).T
         away = np.ones(len(space))
         depth = 0.0
         if distance is not None:
@@ -523,7 +523,7 @@ def view(solid: Polyhedron, seed: int, distance: float | None = None) -> View | 
     return None
 
 
-def _rotation(rng: np.random.Generator) -> np.ndarray:
+def random_rotation(rng: np.random.Generator) -> np.ndarray:
     azimuth, elevation = rng.uniform(np.radians((20, 18)), np.radians((70, 45)))
     azimuth += rng.integers(4) * np.pi / 2
     roll = rng.normal(0, np.radians(3))

@@ -68,11 +68,11 @@ def test_what_came_before_is_not_changed() -> None:
 def test_a_preview_continues_what_was_found_before_its_last_stroke(monkeypatch) -> None:
     solid = SOLIDS["house"]
     ink = Strokes(ink_of(fitted(solid), solid.edges, jitter=1.0, seed=31))
-    earlier = graph_of_ink(ink[:-1], never)
+    earlier = graph_of_ink(ink[:-1], "clear", never)
 
     def search_again(*_: object) -> None:
         raise AssertionError("the whole search is not for previews")
 
     monkeypatch.setattr(live, "best_draft", search_again)
-    shown = graph_while_drawn(ink, never)
+    shown = graph_while_drawn(ink, "clear", never)
     assert len(shown.lines) == len(earlier.lines) + 1 == len(solid.edges)

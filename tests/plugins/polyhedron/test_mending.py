@@ -53,7 +53,7 @@ def block(seed: int, *parts: tuple[float, float], edge: int = 9) -> list[Stroke]
 
 
 def graph_of(ink) -> LineGraph:
-    return graph_of_ink(Strokes(ink), never)
+    return graph_of_ink(Strokes(ink), "clear", never)
 
 
 def is_block(graph: LineGraph, seed: int) -> bool:
@@ -136,7 +136,7 @@ def test_close_corners_become_one():
     split = replace(
         graph, places=np.vstack((graph.places, aside)), lines=lines, health=(told_here,)
     )
-    after = mended(ink, split, told_here)
+    after = mended(Body(id="a", strokes=ink), split, told_here).strokes
     assert after[-1].points[-1] == pytest.approx(graph.places[at], abs=0.5)
     assert is_block(graph_of(after), 1)
 
