@@ -21,6 +21,9 @@ A plate and its back differ by 180°, two sides of a box by 90°."""
 SAMPLED: Final = 2000
 """Faces, spread over the mesh, of which the nearest gives a first bound."""
 
+MANY: Final = 64
+"""From one point for so many vertices on, the nearest of all vertices gives the first bound."""
+
 SLACK: Final = 1e-12
 """Share by which rounding may make a box farther than what lies in it."""
 
@@ -126,8 +129,19 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
     return best
 
 
-def _bounds(mesh: Mesh, faces: Index, points: Array, normals: Array | None) -> Array:
-    """Return distances (n,) of the nearest middle of faces that count; inf where none does."""
+def _bounds(mesh: Mesh, points: Array, normals: Array | None) -> Array:
+    """Return distances (n,) that some face which counts is not beyond; inf where none is known.
+
+    That of the nearest vertex for many points, else that of the nearest middle among `SAMPLED`
+    faces.
+    """
+    if normals is None and MANY * len(points) > len(mesh.vertices):
+        from scipy.spatial import cKDTree
+
+        corners = np.unique(mesh.faces)
+        return np.asarray(cKDTree(mesh.vertices[corners].astype(np.float64)).query(points)[0])
+    every = np.arange(len(mesh.faces))
+    faces = every[:: 1 + len(every) // SAMPLED]
     looks = face_normals(mesh, faces)
     middles = mesh.vertices[mesh.faces[faces]].mean(axis=1, dtype=np.float64)
     bound = np.empty(len(points))
@@ -154,9 +168,9 @@ def _boxes_of_normals(mesh: Mesh, tree: BoundingTree) -> list[tuple[Array, Array
 
 def _closest(mesh: Mesh, points: Array, normals: Array | None) -> MeshPlaces:
     """Walk the tree from its root for the closest place on a face that counts; −1 if none does."""
-    count, tree, every = len(points), tree_of(mesh), np.arange(len(mesh.faces))
+    count, tree = len(points), tree_of(mesh)
     best = MeshPlaces(np.full(count, -1, np.intp), np.zeros((count, 3)), np.full(count, np.inf))
-    reach = _bounds(mesh, every[:: 1 + len(every) // SAMPLED], points, normals) * (1.0 + SLACK)
+    reach = _bounds(mesh, points, normals) * (1.0 + SLACK)
     looks = None if normals is None else _boxes_of_normals(mesh, tree)
     pending = [(0, np.arange(count, dtype=np.intp), np.zeros(count, np.intp))]
     while pending:

@@ -28,6 +28,7 @@ from bozzetto.geometry.quads.orientation_field import frames_of, orientations
 from bozzetto.geometry.quads.position_field import lattice
 from bozzetto.geometry.quads.surface import (
     Edges,
+    Features,
     across,
     edges_of,
     features_of,
@@ -224,10 +225,9 @@ def _laid(
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     size = float(np.sqrt(area))
     local = (points - middle) / size
+    surface = Mesh(local.astype(np.float32), faces.astype(np.int32))
     if len(faces) > DENSE * count:
-        fewer = decimated(
-            Mesh(local.astype(np.float32), faces.astype(np.int32)), THINNED * count, kind
-        )
+        fewer = decimated(surface, THINNED * count, kind)
         dense = local[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
     else:
         dense = local, faces, kind
@@ -240,7 +240,7 @@ def _laid(
     sides = [side]
     for turn in range(TRIES):
         checkpoint()
-        made = _at_scale(local, faces, dense, sides[turn], mirrors)
+        made = _at_scale(surface, dense, sides[turn], mirrors)
         if made is None or not len(made[1]) + len(made[2]):
             break
         found = len(made[1]) + len(made[2])
@@ -260,8 +260,7 @@ def _laid(
 
 
 def _at_scale(
-    local: Array,
-    given: Index,
+    surface: Mesh,
     dense: tuple[Array, Index, Index],
     side: float,
     planes: list[Plane],
@@ -285,22 +284,41 @@ def _at_scale(
     tidied(graph, side, planes, CHORD * side)
     place, corners, groups, lines, used = graph.as_arrays()
     corner = np.array(graph.corner, bool)[used]
+    even = _even(features, used, lines)
     ends = edges_of(corners)
     pairs = paired(place, corners, groups, ends, lines, corner)
     rest = np.setdiff1d(np.arange(len(corners)), pairs.ravel())
     quads, triangles = rings_of(corners, pairs), corners[rest]
     place = _smoothed(
-        place, quads, triangles, lines, corner,
-        Mesh(local.astype(np.float32), given.astype(np.int32)),
-        points[features.edges],
-    )  # fmt: skip
+        place, quads, triangles, lines, corner, even, surface, points[features.edges]
+    )
     folded = qualities(place, quads) < FOLDED
     return place, quads[~folded], np.concatenate((triangles, _fans(quads[folded], triangles[:0])))
 
 
+def _even(features: Features, used: Index, lines: Index) -> Flags:
+    """Return which vertices lie within a border of groups on a smooth surface, (n,).
+
+    Parameters
+    ----------
+    features : Features
+        Of the surface.
+    used : (n,) int
+        Vertex of the surface that each one was; those beyond are new.
+    lines : (k, 2) int
+        Edges on features.
+    """
+    old = used < len(features.even)
+    even = np.zeros(len(used), bool)
+    even[old] = features.even[used[old]]
+    one, other = np.concatenate((lines, lines[:, ::-1])).T
+    even[one[~old[one] & even[other]]] = True
+    return even
+
+
 def _smoothed(
-    place: Array, quads: Index, triangles: Index, lines: Index, corner: Flags, surface: Mesh,
-    features: Array,
+    place: Array, quads: Index, triangles: Index, lines: Index, corner: Flags, even: Flags,
+    surface: Mesh, features: Array,
 ) -> Array:  # fmt: skip
     """Move vertices towards the middle of their neighbours, on the surface and along features."""
     sides = [
@@ -319,7 +337,8 @@ def _smoothed(
     many = np.bincount(both[:, 0], minlength=len(place)).astype(float)
     moves = many > 0
     faces = _fans(quads, triangles)
-    place = begin = _onto(place, faces, surface, features, on_line, corner)
+    bound = on_line & ~even
+    place = begin = _onto(place, faces, surface, features, bound, corner)
     for turn in range(SMOOTHED):
         middle = np.column_stack([
             np.bincount(both[:, 0], place[both[:, 1], axis], len(place)) for axis in range(3)
@@ -328,9 +347,9 @@ def _smoothed(
         step[moves] = 0.5 * (middle[moves] / many[moves, None] - place[moves])
         normal = _normals(place, faces)
         flat = step - normal * np.einsum("ij,ij->i", step, normal)[:, None]
-        place = place + np.where(on_line[:, None], step, flat)
+        place = place + np.where(bound[:, None], step, flat)
         if turn % 2:
-            place = _onto(place, faces, surface, features, on_line, corner)
+            place = _onto(place, faces, surface, features, bound, corner)
     for _ in range(SMOOTHED):
         before, after = (qualities(one, quads) for one in (begin, place))
         worse = quads[(after < before) & (after < LEAST_QUALITY)]

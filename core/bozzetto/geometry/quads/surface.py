@@ -15,6 +15,9 @@ SHARP: Final = 0.75
 BENT: Final = -0.6
 """Cosine of the angle between two feature edges above which their vertex is a corner: 127°."""
 
+EVENED: Final = 8
+"""Rounds in which borders of groups are evened out: they run zigzag along the triangles."""
+
 MOST_ROUNDS: Final = 16
 """Rounds of splitting: each halves the edges that are too long."""
 
@@ -156,12 +159,16 @@ class Features:
         Whether it is an end, a branching or a bend of them.
     along : (n, 3) float
         Unit direction of the edges at a vertex, of either sense; 0 off them and at corners.
+    even : (n,) bool
+        Whether a vertex lies within a border of two groups where the surface is smooth: its place
+        on the surface counts, the zigzag of the triangles does not.
     """
 
     edges: Index
     line: Flags
     corner: Flags
     along: Array
+    even: Flags
 
 
 def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Features:
@@ -182,11 +189,15 @@ def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Featu
     one, other = edges.faces.T
     bend = np.einsum("ij,ij->i", normal[one], normal[other])
     flat = (normal[one] == 0).all(axis=1) | (normal[other] == 0).all(axis=1)
-    kept = (other < 0) | edges.crowded | (kind[one] != kind[other]) | ((bend < SHARP) & ~flat)
+    firm = (other < 0) | edges.crowded | ((bend < SHARP) & ~flat)
+    kept = firm | (kind[one] != kind[other])
     ends = edges.ends[kept]
     many = np.bincount(ends.ravel(), minlength=len(points))
+    even = many == 2
+    even[edges.ends[firm]] = False
+    smooth = _evened(points, ends, even)
     along, straight = np.zeros((len(points), 3)), np.zeros(len(points))
-    direction = units(points[ends[:, 1]] - points[ends[:, 0]])
+    direction = units(smooth[ends[:, 1]] - smooth[ends[:, 0]])
     # Of two edges out of a vertex the second is turned around: both go the same way through it.
     vertex = ends.ravel()
     out = np.stack((direction, -direction), axis=1).reshape(-1, 3)
@@ -196,6 +207,19 @@ def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Featu
     rest = np.setdiff1d(order, first)
     straight[vertex[rest]] = np.einsum("ij,ij->i", out[rest], along[vertex[rest]])
     along[vertex[rest]] -= out[rest]
-    corner = (many > 0) & ((many != 2) | (straight > BENT))
+    corner = (many > 0) & ((many != 2) | ((straight > BENT) & ~even))
     along[corner] = 0.0
-    return Features(ends, many > 0, corner, units(along))
+    return Features(ends, many > 0, corner, units(along), even)
+
+
+def _evened(points: Array, ends: Index, even: Flags) -> Array:
+    """Return points (n, 3) of which some have gone towards the middle of their two neighbours."""
+    made = points.copy()
+    one, other = np.concatenate((ends, ends[:, ::-1])).T
+    one, other = one[even[one]], other[even[one]]
+    for _ in range(EVENED):
+        middle = np.column_stack([
+            np.bincount(one, 0.5 * made[other, axis], len(points)) for axis in range(3)
+        ])  # fmt: skip
+        made[even] = 0.5 * (made[even] + middle[even])
+    return made
