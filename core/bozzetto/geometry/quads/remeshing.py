@@ -276,7 +276,7 @@ def _at_scale(
     points, faces, origin = fine
     kind = dense[2][origin]
     edges = edges_of(faces)
-    features = features_of(points, faces, kind, edges)
+    features = features_of(points, faces, kind, edges, side)
     frames = frames_of(points, faces, edges)
     angles = orientations(points, faces, edges, features, frames)
     found = lattice(points, edges, features, frames, angles, side)

@@ -171,7 +171,9 @@ class Features:
     even: Flags
 
 
-def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Features:
+def features_of(
+    points: Array, faces: Index, kind: Index, edges: Edges, least: float = 0.0
+) -> Features:
     """Return the features of a surface.
 
     Parameters
@@ -184,12 +186,17 @@ def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Featu
         Group of each triangle.
     edges : Edges
         Of the triangles.
+    least : float
+        Creases that hang together and are shorter in all, in the unit of the points, are none:
+        slivers have normals of any direction.
     """
     normal = units(across(points, faces))
     one, other = edges.faces.T
     bend = np.einsum("ij,ij->i", normal[one], normal[other])
     flat = (normal[one] == 0).all(axis=1) | (normal[other] == 0).all(axis=1)
-    firm = (other < 0) | edges.crowded | ((bend < SHARP) & ~flat)
+    border = (other < 0) | edges.crowded
+    firm = border | ((bend < SHARP) & ~flat)
+    firm[firm] = border[firm] | _long(points, edges.ends[firm], least)
     kept = firm | (kind[one] != kind[other])
     ends = edges.ends[kept]
     many = np.bincount(ends.ravel(), minlength=len(points))
@@ -210,6 +217,18 @@ def features_of(points: Array, faces: Index, kind: Index, edges: Edges) -> Featu
     corner = (many > 0) & ((many != 2) | ((straight > BENT) & ~even))
     along[corner] = 0.0
     return Features(ends, many > 0, corner, units(along), even)
+
+
+def _long(points: Array, ends: Index, least: float) -> Flags:
+    """Return which edges hang together with others so that all are as long, (k,)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    i, j = ends.T
+    joined = coo_array((np.ones(len(ends)), (i, j)), (len(points), len(points)))
+    piece = connected_components(joined, directed=False)[1][i]
+    total = np.bincount(piece, np.linalg.norm(points[j] - points[i], axis=1))
+    return np.asarray(total[piece] >= least)
 
 
 def _evened(points: Array, ends: Index, even: Flags) -> Array:
