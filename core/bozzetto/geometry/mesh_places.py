@@ -85,7 +85,9 @@ def alike(one: Array, other: Array) -> Flags:
     return np.asarray(_dot(one, other) >= ALIKE * _lengths(one) * _lengths(other))
 
 
-def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = None) -> MeshPlaces:
+def closest_on_mesh(
+    mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = None, within: float = np.inf
+) -> MeshPlaces:
     """Find the closest place on a mesh to each point.
 
     Parameters
@@ -98,6 +100,8 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
         Unit vectors: only faces whose normals are `ALIKE` count, so that a place on a thin plate
         does not go over to its back. For a vector of length 0, and where a mesh has no such face,
         all count.
+    within : float
+        Distance up to which such a face is looked for, mm: where none is so near, all count.
 
     Returns
     -------
@@ -121,7 +125,7 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
     if normals is not None:
         wanted = np.asarray(normals, float).reshape(-1, 3)
         other = np.flatnonzero(~alike(face_normals(mesh, best.faces), wanted))
-        better = _closest(mesh, place[other], wanted[other])
+        better = _closest(mesh, place[other], wanted[other], within)
         found = better.faces >= 0
         best.faces[other[found]] = better.faces[found]
         best.weights[other[found]] = better.weights[found]
@@ -166,11 +170,13 @@ def _boxes_of_normals(mesh: Mesh, tree: BoundingTree) -> list[tuple[Array, Array
     return levels[::-1]
 
 
-def _closest(mesh: Mesh, points: Array, normals: Array | None) -> MeshPlaces:
+def _closest(
+    mesh: Mesh, points: Array, normals: Array | None, within: float = np.inf
+) -> MeshPlaces:
     """Walk the tree from its root for the closest place on a face that counts; −1 if none does."""
     count, tree = len(points), tree_of(mesh)
     best = MeshPlaces(np.full(count, -1, np.intp), np.zeros((count, 3)), np.full(count, np.inf))
-    reach = _bounds(mesh, points, normals) * (1.0 + SLACK)
+    reach = np.minimum(_bounds(mesh, points, normals) * (1.0 + SLACK), within)
     looks = None if normals is None else _boxes_of_normals(mesh, tree)
     pending = [(0, np.arange(count, dtype=np.intp), np.zeros(count, np.intp))]
     while pending:

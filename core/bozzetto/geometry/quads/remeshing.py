@@ -170,13 +170,15 @@ def quad_dominant(
                 side = np.sqrt(_area(points, faces) / max(count, FEWEST))
                 if deviation <= max(MOST_DEVIATION * diagonal, COARSE * side):
                     return QuadMesh(*made, deviation, remeshed=True)
-    return _pairs_of(points, faces, kind, count)
+    return _pairs_of(points, faces, kind, count, checkpoint)
 
 
-def _pairs_of(points: Array, faces: Index, kind: Index, count: int) -> QuadMesh:
+def _pairs_of(
+    points: Array, faces: Index, kind: Index, count: int, checkpoint: Callable[[], None]
+) -> QuadMesh:
     """Join triangles in pairs, after taking away what is too many."""
     mesh = Mesh(points.astype(np.float32), faces.astype(np.int32))
-    fewer = decimated(mesh, int(PAIRED * count), kind)
+    fewer = decimated(mesh, int(PAIRED * count), kind, checkpoint)
     kept, corners = points[fewer.vertices], fewer.faces.astype(np.intp)
     edges = edges_of(corners)
     features = features_of(kept, corners, fewer.groups, edges)
@@ -227,7 +229,7 @@ def _laid(
     local = (points - middle) / size
     surface = Mesh(local.astype(np.float32), faces.astype(np.int32))
     if len(faces) > DENSE * count:
-        fewer = decimated(surface, THINNED * count, kind)
+        fewer = decimated(surface, THINNED * count, kind, checkpoint)
         dense = local[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
     else:
         dense = local, faces, kind
@@ -240,7 +242,7 @@ def _laid(
     sides = [side]
     for turn in range(TRIES):
         checkpoint()
-        made = _at_scale(surface, dense, sides[turn], mirrors)
+        made = _at_scale(surface, dense, sides[turn], mirrors, checkpoint)
         if made is None or not len(made[1]) + len(made[2]):
             break
         found = len(made[1]) + len(made[2])
@@ -264,6 +266,7 @@ def _at_scale(
     dense: tuple[Array, Index, Index],
     side: float,
     planes: list[Plane],
+    checkpoint: Callable[[], None],
 ) -> tuple[Array, Index, Index] | None:
     """Lay quads with sides of a length; return points, quads and triangles.
 
@@ -279,9 +282,13 @@ def _at_scale(
     features = features_of(points, faces, kind, edges, side)
     frames = frames_of(points, faces, edges)
     angles = orientations(points, faces, edges, features, frames)
+    checkpoint()
     found = lattice(points, edges, features, frames, angles, side)
+    checkpoint()
     graph = nodes(points, faces, kind, edges, features, found, side)
+    checkpoint()
     tidied(graph, side, planes, CHORD * side)
+    checkpoint()
     place, corners, groups, lines, used = graph.as_arrays()
     corner = np.array(graph.corner, bool)[used]
     even = _even(features, used, lines)
@@ -290,7 +297,7 @@ def _at_scale(
     rest = np.setdiff1d(np.arange(len(corners)), pairs.ravel())
     quads, triangles = rings_of(corners, pairs), corners[rest]
     place = _smoothed(
-        place, quads, triangles, lines, corner, even, surface, points[features.edges]
+        place, quads, triangles, lines, corner, even, surface, points[features.edges], side
     )
     folded = qualities(place, quads) < FOLDED
     return place, quads[~folded], np.concatenate((triangles, _fans(quads[folded], triangles[:0])))
@@ -318,7 +325,7 @@ def _even(features: Features, used: Index, lines: Index) -> Flags:
 
 def _smoothed(
     place: Array, quads: Index, triangles: Index, lines: Index, corner: Flags, even: Flags,
-    surface: Mesh, features: Array,
+    surface: Mesh, features: Array, side: float,
 ) -> Array:  # fmt: skip
     """Move vertices towards the middle of their neighbours, on the surface and along features."""
     sides = [
@@ -338,7 +345,7 @@ def _smoothed(
     moves = many > 0
     faces = _fans(quads, triangles)
     bound = on_line & ~even
-    place = begin = _onto(place, faces, surface, features, bound, corner)
+    place = begin = _onto(place, faces, surface, features, bound, corner, side)
     for turn in range(SMOOTHED):
         middle = np.column_stack([
             np.bincount(both[:, 0], place[both[:, 1], axis], len(place)) for axis in range(3)
@@ -349,7 +356,7 @@ def _smoothed(
         flat = step - normal * np.einsum("ij,ij->i", step, normal)[:, None]
         place = place + np.where(bound[:, None], step, flat)
         if turn % 2:
-            place = _onto(place, faces, surface, features, bound, corner)
+            place = _onto(place, faces, surface, features, bound, corner, side)
     for _ in range(SMOOTHED):
         before, after = (qualities(one, quads) for one in (begin, place))
         worse = quads[(after < before) & (after < LEAST_QUALITY)]
@@ -366,12 +373,16 @@ def _among(ends: Index, lines: Index, count: int) -> Flags:
 
 
 def _onto(
-    place: Array, faces: Index, surface: Mesh, features: Array, on_line: Flags, corner: Flags
-) -> Array:
-    """Return the nearest places on the surface, or on its features."""
+    place: Array, faces: Index, surface: Mesh, features: Array, on_line: Flags, corner: Flags,
+    side: float,
+) -> Array:  # fmt: skip
+    """Return the nearest places on the surface, or on its features.
+
+    A place that faces the same way is looked for within the side of a square.
+    """
     made = place.copy()
     free = np.flatnonzero(~on_line & ~corner)
-    near = closest_on_mesh(surface, place[free], _normals(place, faces)[free])
+    near = closest_on_mesh(surface, place[free], _normals(place, faces)[free], side)
     made[free] = near.points(surface)
     bound = np.flatnonzero(on_line & ~corner)
     if len(bound) and len(features):
