@@ -21,7 +21,11 @@ A plate and its back differ by 180°, two sides of a box by 90°."""
 SAMPLED: Final = 2000
 """Faces, spread over the mesh, of which the nearest gives a first bound."""
 
-MANY: Final = 64
+GOLDEN: Final = 0.6180339887498949
+"""Steps of this share of all go everywhere: equal steps may keep to a few parts of a mesh whose
+faces were made in a regular order."""
+
+MANY: Final = 256
 """From one point for so many vertices on, the nearest of all vertices gives the first bound."""
 
 SLACK: Final = 1e-12
@@ -144,8 +148,10 @@ def _bounds(mesh: Mesh, points: Array, normals: Array | None) -> Array:
 
         corners = np.unique(mesh.faces)
         return np.asarray(cKDTree(mesh.vertices[corners].astype(np.float64)).query(points)[0])
-    every = np.arange(len(mesh.faces))
-    faces = every[:: 1 + len(every) // SAMPLED]
+    count = len(mesh.faces)
+    faces = np.arange(count)
+    if count > SAMPLED:
+        faces = (np.arange(SAMPLED) * GOLDEN % 1.0 * count).astype(np.intp)
     looks = face_normals(mesh, faces)
     middles = mesh.vertices[mesh.faces[faces]].mean(axis=1, dtype=np.float64)
     bound = np.empty(len(points))
