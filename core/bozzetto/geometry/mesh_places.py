@@ -130,7 +130,7 @@ def closest_on_mesh(
         wanted = np.asarray(normals, float).reshape(-1, 3)
         other = np.flatnonzero(~alike(face_normals(mesh, best.faces), wanted))
         better = _closest(mesh, place[other], wanted[other], within)
-        found = better.faces >= 0
+        found = (better.faces >= 0) & (better.distances <= within)
         best.faces[other[found]] = better.faces[found]
         best.weights[other[found]] = better.weights[found]
         best.distances[other[found]] = better.distances[found]

@@ -87,6 +87,9 @@ OTHERS: Final = (0.95, 1.05, 1.0)
 SMOOTHED: Final = 4
 """Rounds in which vertices go towards the middle of their neighbours."""
 
+ASIDE: Final = 0.5
+"""Distance within which a vertex finds its place on the side that it faces, in sides of squares."""
+
 MOST_DEVIATION: Final = 0.01
 """Distance of the surface from the quads, as a share of the diagonal, up to which they are one."""
 
@@ -378,11 +381,12 @@ def _onto(
 ) -> Array:  # fmt: skip
     """Return the nearest places on the surface, or on its features.
 
-    A place that faces the same way is looked for within the side of a square.
+    A place that faces the same way is looked for nearby: where the mesh is folded its normal is of
+    any direction.
     """
     made = place.copy()
     free = np.flatnonzero(~on_line & ~corner)
-    near = closest_on_mesh(surface, place[free], _normals(place, faces)[free], side)
+    near = closest_on_mesh(surface, place[free], _normals(place, faces)[free], ASIDE * side)
     made[free] = near.points(surface)
     bound = np.flatnonzero(on_line & ~corner)
     if len(bound) and len(features):
