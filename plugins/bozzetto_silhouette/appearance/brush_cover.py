@@ -86,9 +86,7 @@ def covered(
             _lay(segments, ends, softness, points, normals, near, detail, cover)
         elif len(near):
             size = AT_ONCE * -(-len(ends) // (AT_ONCE * PARTED))
-            pending += [
-                (ends[first : first + size], near) for first in range(0, len(ends), size)
-            ]
+            pending += [(ends[first : first + size], near) for first in range(0, len(ends), size)]
     found = np.flatnonzero(cover)
     return found, cover[found]
 

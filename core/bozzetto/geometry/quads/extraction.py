@@ -7,7 +7,7 @@ one: what remains are triangles between nodes, of the same genus. Pairs of them 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -193,7 +193,7 @@ def _flip(graph: TriangleGraph) -> int:
     return done
 
 
-def _wide(graph: TriangleGraph) -> list[list[int]]:
+def _wide(graph: TriangleGraph) -> list[tuple[int, int]]:
     """Return edges whose two opposite angles are together wider than `WIDE`."""
     faces, _kind = graph.rows()
     edges, place = edges_of(faces), np.array(graph.places)
@@ -205,7 +205,7 @@ def _wide(graph: TriangleGraph) -> list[list[int]]:
         one, other = place[ends[:, 0]] - apex, place[ends[:, 1]] - apex
         size = np.linalg.norm(np.cross(one, other), axis=1)
         total += np.arctan2(size, np.einsum("ij,ij->i", one, other))
-    return cast("list[list[int]]", ends[total > WIDE].tolist())
+    return [(a, b) for a, b in ends[total > WIDE].tolist()]
 
 
 def _sub(one: Vector, other: Vector) -> Vector:
