@@ -23,7 +23,7 @@ ALIKE: Final = 16
 """The power of the cosine between two normals by which they count for one another: at 20° more
 than a third, at 45° nothing."""
 
-EVENED: Final = 8
+EVENED: Final = 2
 """Rounds in which borders of groups are evened out: they run zigzag along the triangles."""
 
 MOST_ROUNDS: Final = 16
@@ -196,7 +196,8 @@ def features_of(
         Of the triangles.
     least : float
         Creases that hang together and are shorter in all, in the unit of the points, are none:
-        slivers have normals of any direction.
+        slivers have normals of any direction. Bends of borders of groups that lie nearer to one
+        another are a zigzag.
     """
     normal = _filtered(across(points, faces), edges)
     one, other = edges.faces.T
@@ -210,18 +211,8 @@ def features_of(
     many = np.bincount(ends.ravel(), minlength=len(points))
     even = many == 2
     even[edges.ends[firm]] = False
-    smooth = _evened(points, ends, even)
-    along, straight = np.zeros((len(points), 3)), np.zeros(len(points))
-    direction = units(smooth[ends[:, 1]] - smooth[ends[:, 0]])
-    # Of two edges out of a vertex the second is turned around: both go the same way through it.
-    vertex = ends.ravel()
-    out = np.stack((direction, -direction), axis=1).reshape(-1, 3)
-    order = np.argsort(vertex, kind="stable")
-    first = order[np.r_[True, np.diff(vertex[order]) > 0]] if len(order) else order
-    along[vertex[first]] += out[first]
-    rest = np.setdiff1d(order, first)
-    straight[vertex[rest]] = np.einsum("ij,ij->i", out[rest], along[vertex[rest]])
-    along[vertex[rest]] -= out[rest]
+    even[_alone(points, even & (_through(points, ends)[1] > BENT), least)] = False
+    along, straight = _through(_evened(points, ends, even), ends)
     corner = (many > 0) & ((many != 2) | ((straight > BENT) & ~even))
     along[corner] = 0.0
     return Features(ends, many > 0, corner, units(along), even)
@@ -258,6 +249,37 @@ def _long(points: Array, ends: Index, least: float) -> Flags:
     piece = connected_components(joined, directed=False)[1][i]
     total = np.bincount(piece, np.linalg.norm(points[j] - points[i], axis=1))
     return np.asarray(total[piece] >= least)
+
+
+def _alone(points: Array, chosen: Flags, apart: float) -> Index:
+    """Return those of the chosen points near which no other is chosen."""
+    from scipy.spatial import cKDTree
+
+    rows = np.flatnonzero(chosen)
+    if not len(rows):
+        return rows
+    away = cKDTree(points[rows]).query(points[rows], k=2)[0][:, 1]
+    return rows[away > apart]
+
+
+def _through(points: Array, ends: Index) -> tuple[Array, Array]:
+    """Return the way of lines through their vertices, (n, 3), and how straight they are, (n,).
+
+    That is the cosine between the first edge out of a vertex and another: −1 where they go on
+    straight.
+    """
+    along, straight = np.zeros((len(points), 3)), np.zeros(len(points))
+    direction = units(points[ends[:, 1]] - points[ends[:, 0]])
+    # Of two edges out of a vertex the second is turned around: both go the same way through it.
+    vertex = ends.ravel()
+    out = np.stack((direction, -direction), axis=1).reshape(-1, 3)
+    order = np.argsort(vertex, kind="stable")
+    first = order[np.r_[True, np.diff(vertex[order]) > 0]] if len(order) else order
+    along[vertex[first]] += out[first]
+    rest = np.setdiff1d(order, first)
+    straight[vertex[rest]] = np.einsum("ij,ij->i", out[rest], along[vertex[rest]])
+    along[vertex[rest]] -= out[rest]
+    return along, straight
 
 
 def _evened(points: Array, ends: Index, even: Flags) -> Array:
