@@ -153,6 +153,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="set a parameter; of one part with its name before it: “Part 2.blend=0”",
     )
+    build.add_argument(
+        "--on",
+        metavar="DOC.bozz[:OBJECT]",
+        help="draw on an object of a document, or on all that are visible, linked: it follows when "
+        "they change; a .bozz output then holds them, too",
+    )
     _add_trust(build)
     build.add_argument("--report", type=Path, metavar="R.json", help="write how good it is")
     build.add_argument("--view", metavar="NAME", help=VIEW_HELP)
@@ -196,6 +202,11 @@ def _parser() -> argparse.ArgumentParser:
         help="turn it once around in N pictures: a .gif, an .mp4 (by ffmpeg) or a row of .png",
     )
     render.add_argument("--seconds", type=float, default=4.0, help="of one turn; default 4")
+    render.add_argument(
+        "--from-sketch",
+        action="store_true",
+        help="the turntable begins with the sketch, which is drawn and becomes the shapes",
+    )
     add_place(render)
     _add_trust(render)
     render.set_defaults(run=_render)
@@ -274,12 +285,14 @@ def _render(options: argparse.Namespace) -> int:
     unseen = (unusable(bench, model) for model in document if model.visible)
     warn(problem.sentence("picture") for problem in unseen if problem is not None)
     palette = DARK if options.theme == "dark" else LIGHT
+    if options.from_sketch and (options.turntable is None or options.view):
+        raise UserError("--from-sketch is for --turntable, and has a view of its own: no --view.")
     if options.turntable is not None:
         make_folder(options.output)
         write_turntable(
             bench, document, options.output, options.turntable, options.seconds,
             view=options.view or "three-quarter", size=(width, height), palette=palette,
-            shading=options.shading,
+            shading=options.shading, from_sketch=options.from_sketch,
         )  # fmt: skip
         return 0
     image, walls = _picture_of(
@@ -370,6 +383,7 @@ SAMPLE_FORMATS = ("stl", "3mf", "glb", "step")
 
 def _samples(options: argparse.Namespace) -> int:
     """Build every modeler's sample drawings: a picture, a document and exports of each."""
+    from bozzetto.document import edit
     from bozzetto.document.model import Document
     from bozzetto.exchange.export import has_room
     from bozzetto.exchange.import_file import read_drawing
@@ -380,7 +394,8 @@ def _samples(options: argparse.Namespace) -> int:
     for info in bench.registry.modelers():
         for sample in info.samples:
             drawing = read_drawing(sample, trusted=True)  # it came with its plugin
-            document = Document((bench.sources.from_drawing(info.id, drawing, {}),))
+            model = bench.sources.from_drawing(info.id, drawing, {})
+            document = edit.add_model(Document(), model).document
             shapes = bench.shapes(document, Job())
             stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"
             targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]

@@ -258,8 +258,8 @@ def _alone(points: Array, chosen: Flags, apart: float) -> Index:
     rows = np.flatnonzero(chosen)
     if not len(rows):
         return rows
-    away = cKDTree(points[rows]).query(points[rows], k=2)[0][:, 1]
-    return rows[away > apart]
+    away, _ = cKDTree(points[rows]).query(points[rows], k=2)
+    return rows[np.asarray(away)[:, 1] > apart]
 
 
 def _through(points: Array, ends: Index) -> tuple[Array, Array]:
