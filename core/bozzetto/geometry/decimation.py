@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bozzetto.geometry.mesh import Mesh
 
 BORDER: Final = 30.0
@@ -34,6 +36,10 @@ FEW: Final = 8
 
 MOST_LOOKED_AT: Final = 3000
 """Up to so many, those that turn triangles over are sorted out before the choice, not after."""
+
+OFTEN: Final = 0.5
+"""Share of the chosen that turn triangles over from which the choice is made anew without them: on
+rough scans next to nothing would be left of it."""
 
 TINY: Final = 1e-300
 """Added to costs, whose logarithm is taken."""
@@ -61,7 +67,12 @@ class Decimated:
     groups: Index
 
 
-def decimated(mesh: Mesh, triangles: int, groups: Index | None = None) -> Decimated:
+def decimated(
+    mesh: Mesh,
+    triangles: int,
+    groups: Index | None = None,
+    checkpoint: Callable[[], None] = lambda: None,
+) -> Decimated:
     """Return a mesh of at most so many triangles, or as few as its topology allows.
 
     Parameters
@@ -72,6 +83,8 @@ def decimated(mesh: Mesh, triangles: int, groups: Index | None = None) -> Decima
         The most there shall be.
     groups : (f,) int, optional
         A number for each triangle; the borders between groups are kept as well as edges are.
+    checkpoint : callable
+        Called between rounds; may raise to stop.
     """
     kind = np.zeros(len(mesh.faces), np.int64) if groups is None else np.asarray(groups, np.int64)
     faces = mesh.faces.astype(np.int64)
@@ -83,6 +96,7 @@ def decimated(mesh: Mesh, triangles: int, groups: Index | None = None) -> Decima
         over = len(faces) - triangles
         if over <= 0:
             break
+        checkpoint()
         moves = _round(points, faces, kind, quadrics, over, share)
         if not len(moves):
             if share == 1.0:
@@ -128,15 +142,15 @@ def _edges(faces: Index) -> tuple[Index, Index, Index]:
     return np.column_stack(np.divmod(keys, span)), count, of_side.reshape(-1, 3)
 
 
-def _borders(faces: Index, kind: Index) -> tuple[Index, Flags, Flags, Index]:
-    """Return edges, which are borders, which are in more than two faces, and edges of sides."""
+def _borders(faces: Index, kind: Index) -> tuple[Index, Index, Flags, Index]:
+    """Return edges, how many faces each has, which are borders, and edges of sides."""
     edges, count, of_side = _edges(faces)
     most = np.full(len(edges), -1)
     least = np.full(len(edges), np.iinfo(np.int64).max)
     row = np.repeat(kind, 3)
     np.maximum.at(most, of_side.ravel(), row)
     np.minimum.at(least, of_side.ravel(), row)
-    return edges, (count == 1) | (most != least), count > 2, of_side
+    return edges, count, (count == 1) | (most != least), of_side
 
 
 def _quadrics(points: Array, faces: Index, kind: Index) -> Array:
@@ -147,7 +161,7 @@ def _quadrics(points: Array, faces: Index, kind: Index) -> Array:
     normal = np.divide(across, area[:, None], out=np.zeros_like(across), where=area[:, None] > 0)
     total = np.zeros((len(points), 4, 4))
     _add(total, faces, normal, corners[:, 0], area)
-    _, border, _, of_side = _borders(faces, kind)
+    _, _, border, of_side = _borders(faces, kind)
     face, side = np.nonzero(border[of_side])
     first, second = points[faces[face, side]], points[faces[face, (side + 1) % 3]]
     along = second - first
@@ -175,15 +189,15 @@ def _round(
 
     Only a share of what may be collapsed is considered: what costs least.
     """
-    edges, border, crowded, _ = _borders(faces, kind)
+    edges, count, border, _ = _borders(faces, kind)
     on_border = np.zeros(len(points), bool)
     on_border[edges[border]] = True
     stuck = np.zeros(len(points), bool)
-    stuck[edges[crowded]] = True
+    stuck[edges[count > 2]] = True
     stuck[np.flatnonzero(np.bincount(edges[border].ravel(), minlength=len(points)) > 2)] = True
     pairs = np.concatenate((edges, edges[:, ::-1]))
     free = ~stuck[pairs[:, 0]] & (~on_border[pairs[:, 0]] | np.tile(border, 2))
-    free &= _links(edges, faces, border, len(points))[np.arange(len(pairs)) % len(edges)]
+    free &= _links(edges, count, border, len(points))[np.arange(len(pairs)) % len(edges)]
     pairs = pairs[free]
     if not len(pairs):
         return pairs
@@ -200,14 +214,20 @@ def _round(
     # In the order of costs alone next to nothing would come before all its neighbours.
     chance = np.random.default_rng(len(faces)).random(len(order))
     rank = np.argsort(np.lexsort((chance, np.floor(0.5 * np.log2(cost[order])))))
-    chosen = order[_apart(pairs[order], rank, edges, len(points))]
-    chosen = pairs[chosen[~_turns(points, faces, pairs[chosen])]]
+    first = _apart(pairs[order], rank, edges, len(points))
+    turns = _turns(points, faces, pairs[order[first]])
+    if np.count_nonzero(turns) > OFTEN * len(turns):
+        able = ~_turns(points, faces, pairs[order])
+        order, rank = order[able], np.argsort(np.argsort(rank[able]))
+        first = _apart(pairs[order], rank, edges, len(points))
+        turns = np.zeros(int(first.sum()), bool)
+    chosen = pairs[order[first][~turns]]
     shared = 2  # a collapse takes two triangles, at a border one
     return chosen[: max(1, -(-over // shared))]
 
 
-def _links(edges: Index, faces: Index, border: Flags, count: int) -> Flags:
-    """Whether collapsing an edge keeps the topology.
+def _links(edges: Index, times: Index, border: Flags, count: int) -> Flags:
+    """Whether collapsing an edge that so many faces have keeps the topology.
 
     Its ends have as many neighbours in common as the edge has faces, no two of them form a
     tetrahedron alone, and no two borders are joined through the inside.
@@ -217,7 +237,6 @@ def _links(edges: Index, faces: Index, border: Flags, count: int) -> Flags:
     both = np.concatenate((edges, edges[:, ::-1]))
     near: Any = csr_array((np.ones(len(both), np.int32), (both[:, 0], both[:, 1])), (count, count))
     common = np.asarray((near[edges[:, 0]] * near[edges[:, 1]]).sum(axis=1)).ravel()
-    _, times, _ = _edges(faces)
     valence = np.bincount(both[:, 0], minlength=count)
     on_border = np.zeros(count, bool)
     on_border[edges[border]] = True

@@ -21,6 +21,13 @@ A plate and its back differ by 180°, two sides of a box by 90°."""
 SAMPLED: Final = 2000
 """Faces, spread over the mesh, of which the nearest gives a first bound."""
 
+GOLDEN: Final = 0.6180339887498949
+"""Steps of this share of all go everywhere: equal steps may keep to a few parts of a mesh whose
+faces were made in a regular order."""
+
+MANY: Final = 256
+"""From one point for so many vertices on, the nearest of all vertices gives the first bound."""
+
 SLACK: Final = 1e-12
 """Share by which rounding may make a box farther than what lies in it."""
 
@@ -82,7 +89,9 @@ def alike(one: Array, other: Array) -> Flags:
     return np.asarray(_dot(one, other) >= ALIKE * _lengths(one) * _lengths(other))
 
 
-def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = None) -> MeshPlaces:
+def closest_on_mesh(
+    mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = None, within: float = np.inf
+) -> MeshPlaces:
     """Find the closest place on a mesh to each point.
 
     Parameters
@@ -95,6 +104,8 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
         Unit vectors: only faces whose normals are `ALIKE` count, so that a place on a thin plate
         does not go over to its back. For a vector of length 0, and where a mesh has no such face,
         all count.
+    within : float
+        Distance up to which such a face is looked for, mm: where none is so near, all count.
 
     Returns
     -------
@@ -118,16 +129,29 @@ def closest_on_mesh(mesh: Mesh, points: ArrayLike, normals: ArrayLike | None = N
     if normals is not None:
         wanted = np.asarray(normals, float).reshape(-1, 3)
         other = np.flatnonzero(~alike(face_normals(mesh, best.faces), wanted))
-        better = _closest(mesh, place[other], wanted[other])
-        found = better.faces >= 0
+        better = _closest(mesh, place[other], wanted[other], within)
+        found = (better.faces >= 0) & (better.distances <= within)
         best.faces[other[found]] = better.faces[found]
         best.weights[other[found]] = better.weights[found]
         best.distances[other[found]] = better.distances[found]
     return best
 
 
-def _bounds(mesh: Mesh, faces: Index, points: Array, normals: Array | None) -> Array:
-    """Return distances (n,) of the nearest middle of faces that count; inf where none does."""
+def _bounds(mesh: Mesh, points: Array, normals: Array | None) -> Array:
+    """Return distances (n,) that some face which counts is not beyond; inf where none is known.
+
+    That of the nearest vertex for many points, else that of the nearest middle among `SAMPLED`
+    faces.
+    """
+    if normals is None and MANY * len(points) > len(mesh.vertices):
+        from scipy.spatial import cKDTree
+
+        corners = np.unique(mesh.faces)
+        return np.asarray(cKDTree(mesh.vertices[corners].astype(np.float64)).query(points)[0])
+    count = len(mesh.faces)
+    faces = np.arange(count)
+    if count > SAMPLED:
+        faces = (np.arange(SAMPLED) * GOLDEN % 1.0 * count).astype(np.intp)
     looks = face_normals(mesh, faces)
     middles = mesh.vertices[mesh.faces[faces]].mean(axis=1, dtype=np.float64)
     bound = np.empty(len(points))
@@ -152,11 +176,13 @@ def _boxes_of_normals(mesh: Mesh, tree: BoundingTree) -> list[tuple[Array, Array
     return levels[::-1]
 
 
-def _closest(mesh: Mesh, points: Array, normals: Array | None) -> MeshPlaces:
+def _closest(
+    mesh: Mesh, points: Array, normals: Array | None, within: float = np.inf
+) -> MeshPlaces:
     """Walk the tree from its root for the closest place on a face that counts; −1 if none does."""
-    count, tree, every = len(points), tree_of(mesh), np.arange(len(mesh.faces))
+    count, tree = len(points), tree_of(mesh)
     best = MeshPlaces(np.full(count, -1, np.intp), np.zeros((count, 3)), np.full(count, np.inf))
-    reach = _bounds(mesh, every[:: 1 + len(every) // SAMPLED], points, normals) * (1.0 + SLACK)
+    reach = np.minimum(_bounds(mesh, points, normals) * (1.0 + SLACK), within)
     looks = None if normals is None else _boxes_of_normals(mesh, tree)
     pending = [(0, np.arange(count, dtype=np.intp), np.zeros(count, np.intp))]
     while pending:

@@ -20,6 +20,9 @@ at a right angle."""
 AT_ONCE = 8
 """Segments that are held against places in one sweep: neighbours, so that few places are near."""
 
+PARTED = 8
+"""Into so many parts a longer row of segments is cut, each with the places near it."""
+
 PLACES_AT_ONCE = 1 << 14
 """Places in one sweep: their arrays stay in the processor's cache."""
 
@@ -73,17 +76,26 @@ def covered(
     """
     if not len(segments.ends) or not len(points):
         return np.zeros(0, np.intp), np.zeros(0)
-    reach = float(segments.radii.max()) + 0.5 * detail
-    low, high = segments.points.min(axis=0) - reach, segments.points.max(axis=0) + reach
-    near = np.flatnonzero(_within(points, low, high))
-    cover = np.zeros(len(near))
-    here, facing = points[near], normals[near]
-    for first in range(0, len(segments.ends), AT_ONCE):
-        _lay(
-            segments, segments.ends[first : first + AT_ONCE], softness, here, facing, detail, cover
-        )
+    cover = np.zeros(len(points))
+    every = np.arange(len(points))
+    pending = [(segments.ends, every)]
+    while pending:
+        ends, rows = pending.pop()
+        near = rows[_reached(segments, ends, points[rows], detail)]
+        if len(ends) <= AT_ONCE:
+            _lay(segments, ends, softness, points, normals, near, detail, cover)
+        elif len(near):
+            size = AT_ONCE * -(-len(ends) // (AT_ONCE * PARTED))
+            pending += [(ends[first : first + size], near) for first in range(0, len(ends), size)]
     found = np.flatnonzero(cover)
-    return near[found], cover[found]
+    return found, cover[found]
+
+
+def _reached(segments: Segments, ends: Index, points: Array, detail: float) -> Flags:
+    """Return which places (n, 3) lie in the box around some segments."""
+    reach = segments.radii[ends].max() + 0.5 * detail
+    places = segments.points[ends].reshape(-1, 3)
+    return _within(points, places.min(axis=0) - reach, places.max(axis=0) + reach)
 
 
 def _lay(
@@ -92,15 +104,13 @@ def _lay(
     softness: float,
     points: Array,
     normals: Array,
+    near: Index,
     detail: float,
     cover: Array,
 ) -> None:
-    """Raise the cover (n,) of places to what a few segments give, in place."""
+    """Raise the cover (n,) of some places to what a few segments give, in place."""
     start, end = segments.points[ends[:, 0]], segments.points[ends[:, 1]]
     radii = segments.radii[ends]
-    reach = radii.max() + 0.5 * detail
-    both = np.concatenate([start, end])
-    near = np.flatnonzero(_within(points, both.min(axis=0) - reach, both.max(axis=0) + reach))
     along = end - start
     square = np.maximum(np.einsum("md,md->m", along, along), 1e-300)
     looks = segments.normals[ends]

@@ -10,9 +10,13 @@ import pytest
 
 from bozzetto.cli.main import main
 from bozzetto.exchange.export import export
+from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.mesh import glb
+from bozzetto.exchange.quad_budget import within_quads
 from bozzetto.geometry import FaceGroup, Mesh, Shapes, Solid
+from bozzetto.geometry.mesh_places import closest_on_mesh
 from tests.blender import asked
+from tests.core.geometry.quads.test_remeshing import ball, mesh_of, shaken
 
 pytestmark = pytest.mark.interop
 
@@ -100,6 +104,56 @@ def test_what_a_part_is_made_of_is_told(tmp_path, ending):
                 expected <= 0.04045, expected / 12.92, ((expected + 0.055) / 1.055) ** 2.4
             )
         assert one["color"] == pytest.approx(expected.tolist(), abs=0.01)
+
+
+QUADS = """
+path = sys.argv[1]
+ending = path.rpartition(".")[2].replace("usda", "usd")
+getattr(bpy.ops.wm, ending + "_import")(filepath=path)
+(one,) = [o for o in bpy.data.objects if o.type == "MESH"]
+sizes = {}
+for face in one.data.polygons:
+    sizes[len(face.vertices)] = sizes.get(len(face.vertices), 0) + 1
+modifier = one.modifiers.new("Subdivision", "SUBSURF")
+modifier.levels = 2
+dense = one.evaluated_get(bpy.context.evaluated_depsgraph_get())
+places = [one.matrix_world @ v.co for v in dense.data.vertices]
+lengths = [
+    (one.matrix_world @ one.data.vertices[a].co - one.matrix_world @ one.data.vertices[b].co).length
+    for a, b in one.data.edge_keys
+]
+answer = {
+    "sizes": [sizes.get(3, 0), sizes.get(4, 0), len(one.data.polygons)],
+    "places": [list(p) for p in places],
+    "side": sum(lengths) / len(lengths),
+    "uvs": len(one.data.uv_layers),
+}
+"""
+
+
+@pytest.mark.parametrize("ending", ["obj", "ply", "usda"])
+def test_quads_stay_quads_and_their_subdivision_stays_on_the_surface(tmp_path, ending):
+    """Blender's is that of Catmull and Clark, by OpenSubdiv.
+
+    It sinks below a sphere of radius r by s² / 3r, s the side of a square, by its limit masks.
+    """
+    mesh = mesh_of(*shaken(*ball((10.0, 20.0, 30.0))))
+    shapes = Shapes(solids=(Solid(mesh, "Egg"),))
+    path = tmp_path / f"egg.{ending}"
+    export(shapes, path, handover=Handover(quads=600, uvs=ending == "obj"))
+    made = within_quads(shapes, 600, lambda *_: None)
+    found = asked(QUADS, path)
+    if ending != "obj":  # there seams cut some quads
+        assert found["sizes"] == [made.triangles, made.quads, made.triangles + made.quads]
+    else:
+        assert found["sizes"][1] > 0.8 * made.quads
+        assert found["uvs"] == 1
+    places = np.array(found["places"])
+    scale = np.ptp(mesh.vertices, axis=0).max() / np.ptp(places, axis=0).max()
+    away = closest_on_mesh(mesh, scale * places).distances
+    side, least = scale * found["side"], 10.0  # its smallest half axis
+    assert away.max() < 0.25 * side
+    assert np.median(away) < side**2 / (3.0 * least)
 
 
 SAMPLES = [

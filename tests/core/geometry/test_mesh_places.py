@@ -62,6 +62,25 @@ def test_only_faces_that_look_the_same_way_count():
     np.testing.assert_array_equal(face_normals(plate, top.faces), up)
 
 
+@pytest.mark.parametrize(("within", "height"), [(0.5, -0.5), (0.8, 0.5)])
+def test_faces_that_look_the_same_way_are_looked_for_within_a_distance(within, height):
+    plate = box((40.0, 40.0, 1.0))
+    points, up = np.array([(3.0, 4.0, -0.2)]), np.array([(0.0, 0.0, 1.0)])
+    found = closest_on_mesh(plate, points, up, within)
+    assert found.points(plate)[0] == pytest.approx((3.0, 4.0, height), abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [1, 5, 2000])
+def test_however_many_are_asked_for_each_has_the_same_answer(count):
+    """One point, few and many begin with different bounds."""
+    mesh = soup(3, 3000)
+    points = np.random.default_rng(1).uniform(-12.0, 12.0, (2000, 3))
+    whole = closest_on_mesh(mesh, points)
+    for begin in range(0, 2000, 400):
+        part = closest_on_mesh(mesh, points[begin : begin + count])
+        assert np.array_equal(part.distances, whole.distances[begin : begin + count])
+
+
 def test_where_no_face_looks_the_same_way_all_count():
     sheet = Mesh([(0, 0, 0), (9, 0, 0), (0, 9, 0)], [(0, 1, 2)])
     found = closest_on_mesh(sheet, [(1, 1, 2)], [(0, 0, -1)])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from bozzetto.geometry.quads.surface import edges_of
 from bozzetto.geometry.quads.triangle_graph import TriangleGraph
 
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ SHORT: Final = 0.55
 
 LONG: Final = 1.75
 """Edges longer than so many sides are split: a diagonal is 1.41 long."""
+
+WIDE: Final = math.pi + 0.05
+"""Edges whose opposite angles are together wider are flipped: a little more than Delaunay's."""
 
 ROUNDS: Final = 4
 """Rounds of collapsing, splitting and flipping."""
@@ -72,7 +76,7 @@ def nodes(
                 and not graph.corner[v]
             ):
                 u, v = v, u
-            if not (graph.around[u] & graph.around[v]):
+            if v not in graph.near[u]:
                 left.append((a, b))
             elif graph.may_collapse(u, v):
                 graph.collapse(u, v)
@@ -116,22 +120,25 @@ def tidied(graph: TriangleGraph, side: float, planes: Sequence[Plane], reach: fl
         if not changed:
             break
     for plane in planes:
-        for a, b in sorted(graph.edges()):
+        for a, b in edges_of(graph.rows()[0]).ends.tolist():
             if b not in graph.features[a] and graph.features[a] and graph.features[b]:
                 ends = np.array((graph.places[a], graph.places[b]))
                 if (np.abs(plane.distances(ends)) <= reach).all():
                     graph.split(a, b, _middle(graph.places[a], graph.places[b]))
 
 
-def _distance(graph: TriangleGraph, a: int, b: int) -> float:
-    return math.dist(graph.places[a], graph.places[b])
+def _lengths(graph: TriangleGraph) -> tuple[Index, Array]:
+    """Return all edges (e, 2) of triangles under change, and how long they are."""
+    ends, place = edges_of(graph.rows()[0]).ends, np.array(graph.places)
+    return ends, np.linalg.norm(place[ends[:, 0]] - place[ends[:, 1]], axis=1)
 
 
 def _collapse_short(graph: TriangleGraph, least: float) -> int:
     done = 0
-    short = [(d, a, b) for a, b in graph.edges() if (d := _distance(graph, a, b)) < least]
-    for _, a, b in sorted(short):
-        if not (graph.around[a] & graph.around[b]) or _distance(graph, a, b) >= least:
+    ends, length = _lengths(graph)
+    order = np.argsort(length, kind="stable")
+    for a, b in ends[order[length[order] < least]].tolist():
+        if b not in graph.near[a] or math.dist(graph.places[a], graph.places[b]) >= least:
             continue
         if graph.corner[a] or (graph.features[a] and not graph.features[b]):
             a, b = b, a
@@ -150,27 +157,29 @@ def _middle(one: Vector, other: Vector) -> Vector:
 
 
 def _split_long(graph: TriangleGraph, most: float) -> int:
-    long = [(-d, a, b) for a, b in graph.edges() if (d := _distance(graph, a, b)) > most]
-    for _, a, b in sorted(long):
-        if graph.around[a] & graph.around[b]:
+    ends, length = _lengths(graph)
+    order = np.argsort(-length, kind="stable")
+    long = ends[order[length[order] > most]].tolist()
+    for a, b in long:
+        if b in graph.near[a]:
             graph.split(a, b, _middle(graph.places[a], graph.places[b]))
     return len(long)
 
 
 def _flip(graph: TriangleGraph) -> int:
     done = 0
-    pending = sorted(graph.edges())
+    pending = _wide(graph)
     for _ in range(3):
         again = set()
         for a, b in pending:
-            if not (graph.around[a] & graph.around[b]):
+            if b not in graph.near[a]:
                 continue
             found = graph.may_flip(a, b)
             if found is None:
                 continue
             _one, _other, c, d = found
             p, q, r, s = (graph.places[v] for v in (a, b, c, d))
-            if _angle(r, p, q) + _angle(s, p, q) <= math.pi + 0.05:
+            if _angle(r, p, q) + _angle(s, p, q) <= WIDE:
                 continue
             if _bend(p, q, r, s) < 0.3 and _bend(r, s, p, q) < _bend(p, q, r, s):
                 continue
@@ -182,6 +191,21 @@ def _flip(graph: TriangleGraph) -> int:
         if not pending:
             break
     return done
+
+
+def _wide(graph: TriangleGraph) -> list[tuple[int, int]]:
+    """Return edges whose two opposite angles are together wider than `WIDE`."""
+    faces, _kind = graph.rows()
+    edges, place = edges_of(faces), np.array(graph.places)
+    beside = edges.faces[(edges.faces[:, 1] >= 0) & ~edges.crowded]
+    ends = edges.ends[(edges.faces[:, 1] >= 0) & ~edges.crowded]
+    total = np.zeros(len(ends))
+    for side in beside.T:
+        apex = place[faces[side].sum(axis=1) - ends.sum(axis=1)]
+        one, other = place[ends[:, 0]] - apex, place[ends[:, 1]] - apex
+        size = np.linalg.norm(np.cross(one, other), axis=1)
+        total += np.arctan2(size, np.einsum("ij,ij->i", one, other))
+    return [(a, b) for a, b in ends[total > WIDE].tolist()]
 
 
 def _sub(one: Vector, other: Vector) -> Vector:

@@ -28,6 +28,7 @@ from bozzetto.geometry.quads.orientation_field import frames_of, orientations
 from bozzetto.geometry.quads.position_field import lattice
 from bozzetto.geometry.quads.surface import (
     Edges,
+    Features,
     across,
     edges_of,
     features_of,
@@ -85,6 +86,9 @@ OTHERS: Final = (0.95, 1.05, 1.0)
 
 SMOOTHED: Final = 4
 """Rounds in which vertices go towards the middle of their neighbours."""
+
+ASIDE: Final = 0.5
+"""Distance within which a vertex finds its place on the side that it faces, in sides of squares."""
 
 MOST_DEVIATION: Final = 0.01
 """Distance of the surface from the quads, as a share of the diagonal, up to which they are one."""
@@ -169,13 +173,15 @@ def quad_dominant(
                 side = np.sqrt(_area(points, faces) / max(count, FEWEST))
                 if deviation <= max(MOST_DEVIATION * diagonal, COARSE * side):
                     return QuadMesh(*made, deviation, remeshed=True)
-    return _pairs_of(points, faces, kind, count)
+    return _pairs_of(points, faces, kind, count, checkpoint)
 
 
-def _pairs_of(points: Array, faces: Index, kind: Index, count: int) -> QuadMesh:
+def _pairs_of(
+    points: Array, faces: Index, kind: Index, count: int, checkpoint: Callable[[], None]
+) -> QuadMesh:
     """Join triangles in pairs, after taking away what is too many."""
     mesh = Mesh(points.astype(np.float32), faces.astype(np.int32))
-    fewer = decimated(mesh, int(PAIRED * count), kind)
+    fewer = decimated(mesh, int(PAIRED * count), kind, checkpoint)
     kept, corners = points[fewer.vertices], fewer.faces.astype(np.intp)
     edges = edges_of(corners)
     features = features_of(kept, corners, fewer.groups, edges)
@@ -224,10 +230,9 @@ def _laid(
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     size = float(np.sqrt(area))
     local = (points - middle) / size
+    surface = Mesh(local.astype(np.float32), faces.astype(np.int32))
     if len(faces) > DENSE * count:
-        fewer = decimated(
-            Mesh(local.astype(np.float32), faces.astype(np.int32)), THINNED * count, kind
-        )
+        fewer = decimated(surface, THINNED * count, kind, checkpoint)
         dense = local[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
     else:
         dense = local, faces, kind
@@ -240,7 +245,7 @@ def _laid(
     sides = [side]
     for turn in range(TRIES):
         checkpoint()
-        made = _at_scale(local, faces, dense, sides[turn], mirrors)
+        made = _at_scale(surface, dense, sides[turn], mirrors, checkpoint)
         if made is None or not len(made[1]) + len(made[2]):
             break
         found = len(made[1]) + len(made[2])
@@ -260,11 +265,11 @@ def _laid(
 
 
 def _at_scale(
-    local: Array,
-    given: Index,
+    surface: Mesh,
     dense: tuple[Array, Index, Index],
     side: float,
     planes: list[Plane],
+    checkpoint: Callable[[], None],
 ) -> tuple[Array, Index, Index] | None:
     """Lay quads with sides of a length; return points, quads and triangles.
 
@@ -277,30 +282,53 @@ def _at_scale(
     points, faces, origin = fine
     kind = dense[2][origin]
     edges = edges_of(faces)
-    features = features_of(points, faces, kind, edges)
+    features = features_of(points, faces, kind, edges, side)
     frames = frames_of(points, faces, edges)
     angles = orientations(points, faces, edges, features, frames)
+    checkpoint()
     found = lattice(points, edges, features, frames, angles, side)
+    checkpoint()
     graph = nodes(points, faces, kind, edges, features, found, side)
+    checkpoint()
     tidied(graph, side, planes, CHORD * side)
+    checkpoint()
     place, corners, groups, lines, used = graph.as_arrays()
     corner = np.array(graph.corner, bool)[used]
+    even = _even(features, used, lines)
     ends = edges_of(corners)
     pairs = paired(place, corners, groups, ends, lines, corner)
     rest = np.setdiff1d(np.arange(len(corners)), pairs.ravel())
     quads, triangles = rings_of(corners, pairs), corners[rest]
     place = _smoothed(
-        place, quads, triangles, lines, corner,
-        Mesh(local.astype(np.float32), given.astype(np.int32)),
-        points[features.edges],
-    )  # fmt: skip
+        place, quads, triangles, lines, corner, even, surface, points[features.edges], side
+    )
     folded = qualities(place, quads) < FOLDED
     return place, quads[~folded], np.concatenate((triangles, _fans(quads[folded], triangles[:0])))
 
 
+def _even(features: Features, used: Index, lines: Index) -> Flags:
+    """Return which vertices lie within a border of groups on a smooth surface, (n,).
+
+    Parameters
+    ----------
+    features : Features
+        Of the surface.
+    used : (n,) int
+        Vertex of the surface that each one was; those beyond are new.
+    lines : (k, 2) int
+        Edges on features.
+    """
+    old = used < len(features.even)
+    even = np.zeros(len(used), bool)
+    even[old] = features.even[used[old]]
+    one, other = np.concatenate((lines, lines[:, ::-1])).T
+    even[one[~old[one] & even[other]]] = True
+    return even
+
+
 def _smoothed(
-    place: Array, quads: Index, triangles: Index, lines: Index, corner: Flags, surface: Mesh,
-    features: Array,
+    place: Array, quads: Index, triangles: Index, lines: Index, corner: Flags, even: Flags,
+    surface: Mesh, features: Array, side: float,
 ) -> Array:  # fmt: skip
     """Move vertices towards the middle of their neighbours, on the surface and along features."""
     sides = [
@@ -319,7 +347,8 @@ def _smoothed(
     many = np.bincount(both[:, 0], minlength=len(place)).astype(float)
     moves = many > 0
     faces = _fans(quads, triangles)
-    place = begin = _onto(place, faces, surface, features, on_line, corner)
+    bound = on_line & ~even
+    place = begin = _onto(place, faces, surface, features, bound, corner, side)
     for turn in range(SMOOTHED):
         middle = np.column_stack([
             np.bincount(both[:, 0], place[both[:, 1], axis], len(place)) for axis in range(3)
@@ -328,9 +357,9 @@ def _smoothed(
         step[moves] = 0.5 * (middle[moves] / many[moves, None] - place[moves])
         normal = _normals(place, faces)
         flat = step - normal * np.einsum("ij,ij->i", step, normal)[:, None]
-        place = place + np.where(on_line[:, None], step, flat)
+        place = place + np.where(bound[:, None], step, flat)
         if turn % 2:
-            place = _onto(place, faces, surface, features, on_line, corner)
+            place = _onto(place, faces, surface, features, bound, corner, side)
     for _ in range(SMOOTHED):
         before, after = (qualities(one, quads) for one in (begin, place))
         worse = quads[(after < before) & (after < LEAST_QUALITY)]
@@ -347,12 +376,17 @@ def _among(ends: Index, lines: Index, count: int) -> Flags:
 
 
 def _onto(
-    place: Array, faces: Index, surface: Mesh, features: Array, on_line: Flags, corner: Flags
-) -> Array:
-    """Return the nearest places on the surface, or on its features."""
+    place: Array, faces: Index, surface: Mesh, features: Array, on_line: Flags, corner: Flags,
+    side: float,
+) -> Array:  # fmt: skip
+    """Return the nearest places on the surface, or on its features.
+
+    A place that faces the same way is looked for nearby: where the mesh is folded its normal is of
+    any direction.
+    """
     made = place.copy()
     free = np.flatnonzero(~on_line & ~corner)
-    near = closest_on_mesh(surface, place[free], _normals(place, faces)[free])
+    near = closest_on_mesh(surface, place[free], _normals(place, faces)[free], ASIDE * side)
     made[free] = near.points(surface)
     bound = np.flatnonzero(on_line & ~corner)
     if len(bound) and len(features):

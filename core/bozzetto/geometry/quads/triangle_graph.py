@@ -39,9 +39,12 @@ class TriangleGraph:
         }
         self.kind: list[int] = kind.tolist()
         self.around: list[set[int]] = [set() for _ in self.places]
-        for number, row in self.faces.items():
-            for vertex in row:
+        self.near: list[set[int]] = [set() for _ in self.places]
+        for number, (a, b, c) in self.faces.items():
+            for vertex, one, other in ((a, b, c), (b, c, a), (c, a, b)):
                 self.around[vertex].add(number)
+                self.near[vertex].add(one)
+                self.near[vertex].add(other)
         self.features: list[set[int]] = [set() for _ in self.places]
         for a, b in features.tolist():
             self.features[a].add(b)
@@ -52,22 +55,10 @@ class TriangleGraph:
         for vertex in sides.ends[sides.faces[:, 1] < 0].ravel().tolist():
             self.border[vertex] = True
 
-    def neighbours(self, vertex: int) -> set[int]:
-        """Return the vertices beside one."""
-        found: set[int] = set()
-        for face in self.around[vertex]:
-            found.update(self.faces[face])
-        found.discard(vertex)
-        return found
-
-    def edges(self) -> set[tuple[int, int]]:
-        """Return all edges, the lower number first."""
-        found = set()
-        for a, b, c in self.faces.values():
-            found.add((a, b) if a < b else (b, a))
-            found.add((b, c) if b < c else (c, b))
-            found.add((a, c) if a < c else (c, a))
-        return found
+    def rows(self) -> tuple[Index, Index]:
+        """Return all triangles, (f, 3), and their groups, (f,)."""
+        kind = np.array([self.kind[number] for number in self.faces], np.intp)
+        return np.array(list(self.faces.values()), np.intp).reshape(-1, 3), kind
 
     def ring(self, face: int, a: int, b: int) -> int:
         """Return the third vertex of a face."""
@@ -87,8 +78,7 @@ class TriangleGraph:
         shared = self.around[gone] & self.around[kept]
         if len(shared) > 2:
             return False
-        common = self.neighbours(gone) & self.neighbours(kept)
-        if len(common) != len(shared):
+        if len(self.near[gone] & self.near[kept]) != len(shared):
             return False
         if self.features[gone] and (self.features[gone] & self.features[kept]):
             return False  # the last triangle within a ring of features
@@ -113,6 +103,12 @@ class TriangleGraph:
             )
             self.around[kept].add(face)
         self.around[gone] = set()
+        for other in self.near[gone]:
+            self.near[other].discard(gone)
+            if other != kept:
+                self.near[other].add(kept)
+                self.near[kept].add(other)
+        self.near[gone] = set()
         for other in self.features[gone]:
             self.features[other].discard(gone)
             if other != kept:
@@ -129,7 +125,7 @@ class TriangleGraph:
             return None
         one, other = sorted(shared)
         c, d = self.ring(one, a, b), self.ring(other, a, b)
-        if c == d or self.around[c] & self.around[d]:
+        if c == d or d in self.near[c]:
             return None
         if self.kind[one] != self.kind[other]:
             return None
@@ -148,15 +144,23 @@ class TriangleGraph:
         self.around[d].add(one)
         self.around[a].discard(other)
         self.around[c].add(other)
+        self.near[a].discard(b)
+        self.near[b].discard(a)
+        self.near[c].add(d)
+        self.near[d].add(c)
 
     def split(self, a: int, b: int, place: Iterable[float]) -> int:
         """Put a new vertex into an edge; return it."""
         new = len(self.places)
         self.places.append(tuple(place))
         self.around.append(set())
+        self.near.append({a, b})
         self.features.append(set())
         self.corner.append(False)
         self.border.append(len(self.around[a] & self.around[b]) == 1)
+        for one, other in ((a, b), (b, a)):
+            self.near[one].discard(other)
+            self.near[one].add(new)
         for face in list(self.around[a] & self.around[b]):
             row = self.faces[face]
             number = len(self.kind)
@@ -168,6 +172,8 @@ class TriangleGraph:
             self.around[b].add(number)
             self.around[new].update((face, number))
             self.around[third].add(number)
+            self.near[third].add(new)
+            self.near[new].add(third)
         if b in self.features[a]:
             self.features[a].discard(b)
             self.features[b].discard(a)
@@ -178,8 +184,7 @@ class TriangleGraph:
 
     def as_arrays(self) -> tuple[Array, Index, Index, Index, Index]:
         """Return points, faces, their groups, feature edges, and the old number of each point."""
-        rows = np.array(list(self.faces.values()), np.intp).reshape(-1, 3)
-        kind = np.array([self.kind[number] for number in self.faces], np.intp)
+        rows, kind = self.rows()
         used, corners = np.unique(rows, return_inverse=True)
         points = np.array(self.places, float)[used]
         place = np.full(len(self.places), -1)

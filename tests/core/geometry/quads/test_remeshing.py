@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.mesh_places import closest_on_mesh
 from bozzetto.geometry.quads.remeshing import quad_dominant
+from bozzetto.geometry.quads.surface import edges_of, features_of
 
 BOX = np.array([(x, y, z) for x in (0, 30) for y in (0, 20) for z in (0, 10)], float)
 BOX_FACES = np.array([
@@ -219,6 +221,83 @@ def test_borders_between_groups_are_kept():
     lines = mesh_of(flat.reshape(-1, 3), np.arange(3 * len(own)).reshape(-1, 3))
     away = closest_on_mesh(lines, middles).distances
     assert np.percentile(away, 90) < 0.5, "edges lie along the border; their length is about 2.5"
+
+
+def test_a_border_that_runs_zigzag_along_the_triangles_costs_no_more_than_a_straight_one():
+    places, faces = shaken(*ball((10.0, 20.0, 30.0), rows=40))
+    middle = places[faces].mean(axis=1)
+    even = middle[:, 2] > 3
+    jagged = even ^ (np.abs(middle[:, 2] - 3) < 0.8) & (np.arange(len(faces)) % 2 > 0)
+    straight, zigzag = (
+        quad_dominant(mesh_of(places, faces), 500, kind.astype(int)) for kind in (even, jagged)
+    )
+    assert euler(zigzag) == euler(straight) == 2
+    assert zigzag.count == pytest.approx(500, rel=0.1)
+    assert len(zigzag.triangles) < len(straight.triangles) + 0.05 * zigzag.count
+
+
+@pytest.mark.parametrize("seed", range(20, 24))
+def test_what_is_rough_has_no_creases(seed):
+    places, faces = ball(rows=40)
+    rough = places + np.random.default_rng(seed).normal(0.0, 0.15, places.shape)
+    edges = edges_of(faces)
+    found = features_of(rough, faces, np.zeros(len(faces), int), edges)
+    wide = np.abs(rough[found.edges][:, :, 2]).max(axis=1) < 12  # at the poles are slivers
+    assert wide.sum() <= 6, "of 3,900; without filtering about 23"
+
+
+@pytest.mark.parametrize("seed", range(10, 13))
+def test_most_of_a_rough_scan_is_quads(seed):
+    places, faces = ball(rows=40)
+    rough = np.random.default_rng(seed).normal(0.0, 0.03, places.shape)
+    mesh = mesh_of(places + rough, faces)
+    made = quad_dominant(mesh, 400)
+    assert made.remeshed
+    assert euler(made) == 2
+    assert made.count == pytest.approx(400, rel=0.15)
+    assert len(made.quads) > 3.5 * len(made.triangles)
+
+
+@pytest.mark.parametrize("count", [300, 500, 700, 900])
+def test_no_vertex_is_put_onto_the_other_side(count):
+    """Where the mesh is folded a vertex has a normal of any direction."""
+    made = quad_dominant(mesh_of(*shaken(*ball((10.0, 20.0, 30.0)))), count)
+    ends = np.array(list(sides_of(rings_of(made))))
+    length = np.linalg.norm(made.points[ends[:, 0]] - made.points[ends[:, 1]], axis=1)
+    assert length.max() < 2.0 * np.median(length)
+
+
+def test_four_times_as_many_quads_take_little_more_than_four_times_as_long():
+    places, faces = shaken(*ball((10.0, 20.0, 30.0), rows=50))
+    mesh = mesh_of(places, faces)
+    taken = []
+    for count in (700, 2800):
+        start = time.thread_time()
+        quad_dominant(mesh, count)
+        taken.append(time.thread_time() - start)
+    assert taken[1] < 8.0 * taken[0]
+
+
+def test_it_can_be_stopped_on_the_way():
+    mesh = mesh_of(*shaken(*ball((10.0, 20.0, 30.0), rows=50)))
+    times = 0
+
+    def count():
+        nonlocal times
+        times += 1
+
+    whole = quad_dominant(mesh, 50, checkpoint=count)
+    assert whole.remeshed
+    assert times > 10, "also while it is thinned out"
+    for last in range(0, times, 9):
+        left = iter(range(last))
+
+        def stop(left=left):
+            if next(left, None) is None:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            quad_dominant(mesh, 50, checkpoint=stop)
 
 
 def test_an_open_surface_keeps_its_border():
