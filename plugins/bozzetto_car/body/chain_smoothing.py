@@ -123,14 +123,14 @@ def lock_ratios(network: Network, firmness: ArrayLike | None = None) -> Network:
     """
     template = network.template
     old = network.control_points
-    points = locked(old, template.sides, _joints(template), firmness)
+    points = locked(old, template.sides, smooth_joints(template), firmness)
     changed = (points[:, 1:3] != old[:, 1:3]).any(axis=2)
     tangents = np.where(changed[..., None], as_hermite(points)[1], network.tangents)
     return Network(template, network.positions, tangents) if changed.any() else network
 
 
 @lru_cache(maxsize=KNOWN)
-def _joints(template: Template) -> tuple[tuple[int, int], ...]:
+def smooth_joints(template: Template) -> tuple[tuple[int, int], ...]:
     """Return the smooth joints of a template in the notation of `crease`."""
     return tuple((_leaving(*one.before), _leaving(*one.after)) for one in junctions(template))
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_fit import (
+from bozzetto_car.body.edge_pictures import (
     Sighting,
     fit_edge,
     four_point_cubic,
