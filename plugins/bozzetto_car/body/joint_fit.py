@@ -11,8 +11,8 @@ ratio of lengths (`bozzetto.geometry.patches.joint_rows`), so that lines and sur
 The mirror image of an edge is the edge itself, seen through a mirrored camera.
 
 A view does not show depth. A handle that one view sees moves along its own tangent, or across it at
-a right angle to the ray; any other move costs much more. What strokes of two views say together
-is stronger than that.
+a right angle to the ray, and no other way; one in the plane of symmetry moves as far as that is
+seen. Views from more than twenty degrees apart show all ways.
 
 Steps are those of Gauss and Newton, halved until the cost falls.
 """
@@ -36,12 +36,12 @@ LEEWAY: Final = 0.1
 """Movement of a handle, per chord of the edge, that costs as much as a distance of a pixel.
 It matters only where strokes leave a direction open."""
 
-DEPTH_LEEWAY: Final = 0.005
-"""The same of a movement that no view shows."""
-
 FORESHORTENED: Final = 0.35
 """Sine of the angle to the view rays, twenty degrees, below which handles do not move along their
 tangents: they would go too far into the depth."""
+
+LEAST_SEEN: Final = 1e-8
+"""Share of a direction that is not seen at all: moving along it costs so many times as much."""
 
 RESOLVED: Final = 1e-3
 """Distance, px, within which a stroke runs where the edge is seen already: samples are kept to
@@ -61,6 +61,12 @@ SETTLED: Final = 1e-5
 
 ROUNDING: Final = 1e-9
 """Gain that a step promises, per cost, below which it is taken untried: rounding hides it."""
+
+SAME_WAY: Final = 0.95
+"""Cosine of the angle between two steps from which they are taken to go the same way."""
+
+LONGEST_SERIES: Final = 0.8
+"""Largest ratio of successive steps that is extrapolated to its limit."""
 
 FOOT_PLACES: Final = 24
 """Pieces of an edge among which the search for foot points begins."""
@@ -227,28 +233,37 @@ class JointFit:
         here = self._at(self._starts, None)
         if here is None or (not self.node_axes and np.abs(here.feet.ways).max() <= RESOLVED):
             return None
+        last: Array | None = None
         for _ in range(STEPS):
             step, gain = self._step(here)
             if np.abs(step).max(initial=0.0) < SETTLED:
                 break
-            for _ in range(HALVINGS):
-                tried = self._at(here.unknowns + step, here.feet.t)
-                if tried is not None and (tried.cost < here.cost or gain < ROUNDING * here.cost):
+            factor = 1.0 if last is None else _whole_way(last, step)
+            there = None if factor == 1.0 else self._tried(here, factor * step, gain)
+            last = step if there is None else None
+            for number in range(HALVINGS + 1):
+                if there is not None:
                     break
-                step = 0.5 * step
-            else:
+                there = self._tried(here, 0.5**number * step, gain)
+            if there is None:
                 break
-            assert tried is not None
-            here = tried
+            here = there
         legs = here.curves[:, [1, 3]] - here.curves[:, [0, 2]]
         return here.unknowns[: len(self.node_axes)], legs / HANDLE
+
+    def _tried(self, here: _Try, step: Array, gain: float) -> _Try | None:
+        """Return where a step leads; None if that is no better."""
+        there = self._at(here.unknowns + step, here.feet.t)
+        if there is not None and (there.cost < here.cost or gain < ROUNDING * here.cost):
+            return there
+        return None
 
     # -- unknowns --
 
     def _laid_out(
         self, joints: Sequence[SharedJoint], place: dict[int, int]
     ) -> tuple[Index, Array]:
-        """Number the unknowns: return those of each edge, (edges, 14), and where all start.
+        """Return the numbers of the unknowns of each edge, (edges, 14), and where all start.
 
         One more than there are stands for coordinates that do not change. First come nodes, then
         tangents, then ratios.
@@ -325,17 +340,20 @@ class JointFit:
         across = np.eye(3) - rays[..., :, None] * rays[..., None, :]
         shown = np.zeros((len(own), 2, 3, 3))
         np.add.at(shown, self._of, across)
+        free = self.network.free_axes[self.edges]
+        most = np.linalg.eigvalsh(shown)[..., 2:]
+        shown = shown * free[..., :, None] * free[..., None, :]
         sizes, ways = np.linalg.eigh(shown)
-        hidden = np.clip(1.0 - sizes, 0.0, 1.0) ** 2
+        seen_at = np.sqrt(np.maximum(sizes, 0.0) / np.maximum(most, TINY))
+        hidden = 1.0 / np.maximum(_eased(seen_at), LEAST_SEEN) - 1.0
         ways = np.swapaxes(ways, 2, 3)
         off = ways - (ways * along[:, :, None]).sum(axis=3, keepdims=True) * along[:, :, None]
         sines = np.linalg.norm(off, axis=3, keepdims=True)
-        share = np.clip((sines - UNSEEN) / (FORESHORTENED - UNSEEN), 0.0, 1.0)
-        share = share**2 * (3.0 - 2.0 * share)
+        share = _eased(sines) * free.all(axis=2)[..., None, None]
         still = share * off / np.maximum(sines, TINY) + (1.0 - share) * ways
         still /= np.maximum(np.linalg.norm(still, axis=3, keepdims=True), TINY)
-        stiff = np.einsum("ehk,ehki,ehkj->ehij", hidden, still, still) / DEPTH_LEEWAY**2
-        return np.asarray((stiff + np.eye(3) / LEEWAY**2) / chords**2)
+        stiff = np.einsum("ehk,ehki,ehkj->ehij", hidden, still, still)
+        return np.asarray((stiff + np.eye(3)) / (LEEWAY * chords) ** 2)
 
     # -- pictures --
 
@@ -488,6 +506,24 @@ class JointFit:
             leg = here.curves[:, handle // 3] - here.curves[:, node // 3]
             ways[:, handle : handle + 3, 12 + end] = self._senses[:, end, None] * leg
         return ways
+
+
+def _eased(sines: Array) -> Array:
+    """Return how far directions count as seen: 0 up to ten degrees, 1 from twenty on."""
+    share = np.clip((sines - UNSEEN) / (FORESHORTENED - UNSEEN), 0.0, 1.0)
+    return np.asarray(share**2 * (3.0 - 2.0 * share))
+
+
+def _whole_way(last: Array, step: Array) -> float:
+    """Return the factor of a step that leads to the limit of a geometric series (Aitken 1926).
+
+    Where strokes leave the lengths of tangents open, steps get shorter by a constant ratio.
+    """
+    sizes = float(last @ last), float(step @ step)
+    product = float(last @ step)
+    if abs(product) < SAME_WAY * (sizes[0] * sizes[1]) ** 0.5:
+        return 1.0
+    return 1.0 / (1.0 - min(max(product / sizes[0], -LONGEST_SERIES), LONGEST_SERIES))
 
 
 def node_axes(network: Network, nodes: Sequence[int]) -> list[tuple[int, int]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -52,7 +53,7 @@ OVERRULED: Final = 0.01
 what the later view does not show."""
 
 REDRAWN: Final = 0.7
-"""Share of an earlier stroke from which one along the same edge replaces it and not a part of it."""
+"""Share of a stroke from which a later one along the same edge replaces all of it."""
 
 PIECES: Final = 20
 """Pieces of an edge for the decision whether it is seen."""
@@ -350,6 +351,11 @@ class _Fit:
         for at, part in enumerate(parts):
             by_edge.setdefault(part.edge, []).append(at)
         factors = {number: 1.0 for number in range(len(self.lines))}
+
+        @lru_cache(None)
+        def shares(at: int) -> Array:
+            return self._shares(parts[at], seen_on)
+
         made: list[_Part | None] = list(parts)
         for row in by_edge.values():
             for place, older in enumerate(row):
@@ -357,7 +363,7 @@ class _Fit:
                 for newer in row[place + 1 :]:
                     left = self._left(kept, parts[newer])
                     if left < 1.0:
-                        along = self._along(kept, parts[newer], seen_on)
+                        along = _along(shares(older), shares(newer))
                         weights = np.where(along, left * weights, weights)
                         if along.all():
                             factors[kept.number] = min(factors[kept.number], left)
@@ -380,12 +386,6 @@ class _Fit:
         if not (was and now):
             return OVERRULED
         return 0.0 if was == now and older.is_mirrored == newer.is_mirrored else 1.0
-
-    def _along(self, older: _Part, newer: _Part, seen_on: Network) -> Flags:
-        """Whether the samples of a part are on the stretch of the edge of a later one, (k,)."""
-        at, other = (self._shares(part, seen_on) for part in (older, newer))
-        along = (at >= other.min()) & (at <= other.max())
-        return np.ones_like(along) if along.mean() >= REDRAWN else along
 
     def _shares(self, part: _Part, seen_on: Network) -> Array:
         """Return the parameters of the edge's places that are seen nearest to samples, (k,)."""
@@ -480,6 +480,12 @@ class _Fit:
         found = {divmod(row, 3): number for number, row in enumerate(first)}
         own = [found[key] for key in axes]
         return np.asarray(self.information[np.ix_(own, own)])
+
+
+def _along(older: Array, newer: Array) -> Flags:
+    """Whether samples (k,) of a stroke are on the stretch of the edge of a later one, (k,)."""
+    along = (older >= newer.min()) & (older <= newer.max())
+    return np.ones_like(along) if along.mean() >= REDRAWN else along
 
 
 def _toward(run: Run, network: Network, camera: Camera) -> Run:

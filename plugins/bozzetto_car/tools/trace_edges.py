@@ -7,10 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink, Tool, override
 from bozzetto.scene import Layer, Scene
+from bozzetto.view import Camera
 from bozzetto_car.body.build import (
     Body,
     body_in_work,
@@ -22,8 +24,10 @@ from bozzetto_car.body.build import (
 )
 from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
+from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges
+from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
 from bozzetto_car.view.view_advice import camera_looked_through, cars_seen
@@ -92,10 +96,21 @@ def _traced(state: CarState, stroke: Stroke, seen: Seen) -> tuple[CarState, Trac
     edit = _edit_of(state, body, stroke, seen)
     unstretched = unstretched_body_of(state)
     points, camera = drawn_through(unstretched, edit)
-    run = find_run(in_world_of(unstretched, edit), points, camera)
-    names = tuple(body.template.edge_names[max(edge, ~edge)] for edge in run.edges)
-    edit = replace(edit, edges=names)
+    there = in_world_of(unstretched, edit)
+    run = find_run(there, points, camera)
+    edges = tuple(max(edge, ~edge) for edge in run.edges)
+    edit = replace(edit, edges=tuple(body.template.edge_names[edge] for edge in edges))
+    if unstretched.drawn.issuperset(edges) and _is_followed(there, points, camera, edges):
+        return state, edit
     return replace(state, edits=(*state.edits, edit)), edit
+
+
+def _is_followed(network: Network, points: Array, camera: Camera, edges: tuple[int, ...]) -> bool:
+    """Whether edges are seen along a stroke already, so that it has nothing to add."""
+    try:
+        return trace(network, points, camera, edges=edges).network is network
+    except UserError:
+        return False
 
 
 def _edit_of(state: CarState, body: Body, stroke: Stroke, seen: Seen) -> TracedEdges:
