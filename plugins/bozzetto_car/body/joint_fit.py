@@ -56,25 +56,32 @@ STEPS: Final = 40
 HALVINGS: Final = 8
 """Most halvings of a step that does not help."""
 
-SETTLED: Final = 1e-5
+SETTLED: Final = 3e-5
 """Longest step of an unknown, mm, at which the iteration ends."""
 
-ROUNDING: Final = 1e-9
-"""Gain that a step promises, per cost, below which it is taken untried: rounding hides it."""
+ROUNDING: Final = 1e-6
+"""Gain that a step promises, per cost, below which it is taken untried: samples beyond the end of
+an edge, which are not differentiated exactly, hide it."""
 
-SAME_WAY: Final = 0.95
-"""Cosine of the angle between two steps from which they are taken to go the same way."""
+UNIT_OF_RATIO: Final = 1e-3
+"""Logarithm of a ratio that counts as much as a millimetre."""
 
-LONGEST_SERIES: Final = 0.8
-"""Largest ratio of successive steps that is extrapolated to its limit."""
+NEAR: Final = 1e-2
+"""Gain that a step promises, per cost, from which on further steps are mixed."""
+
+MIXED: Final = 5
+"""Number of steps that are mixed."""
+
+SINGULAR: Final = 1e-8
+"""Share of the largest change of steps below which one tells nothing."""
 
 FOOT_PLACES: Final = 24
 """Pieces of an edge among which the search for foot points begins."""
 
-FOOT_STEPS: Final = 8
+FOOT_STEPS: Final = 12
 """Most Gauss–Newton steps to a foot point."""
 
-FOOT_SETTLED: Final = 1e-6
+FOOT_SETTLED: Final = 1e-8
 """Longest step of the parameter at which they end."""
 
 LONGEST_SHIFT: Final = 1.0 / FOOT_PLACES
@@ -159,6 +166,10 @@ class _Feet:
         Places on the sheet, and unit vectors across the pictures.
     ways : (s, k) float
         Distances across the pictures, px.
+    beyond : (s, k) float
+        How far samples are beyond an end of the edge, in steps of the parameter; 0 elsewhere.
+    deeper : (s, k) float
+        Derivative of the logarithm of the homogeneous coordinate by the parameter.
     """
 
     t: Array
@@ -166,6 +177,8 @@ class _Feet:
     places: Array
     normals: Array
     ways: Array
+    beyond: Array
+    deeper: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,6 +227,8 @@ class JointFit:
         self._node_form = node_form
         self.node_axes = node_axes(network, sorted({seen.node for seen in seen_nodes}))
         self._columns, self._starts = self._laid_out(joints, place)
+        self._scales = np.ones(len(self._starts))
+        self._scales[self._first_ratio :] = UNIT_OF_RATIO
         self._base = network.control_points[self.edges]
         found = {key: number for number, key in enumerate(self.node_axes)}
         self._node_columns = np.array(
@@ -233,14 +248,14 @@ class JointFit:
         here = self._at(self._starts, None)
         if here is None or (not self.node_axes and np.abs(here.feet.ways).max() <= RESOLVED):
             return None
-        last: Array | None = None
+        mixed = _Mixed(self._scales)
         for _ in range(STEPS):
             step, gain = self._step(here)
-            if np.abs(step).max(initial=0.0) < SETTLED:
+            if np.abs(step / self._scales).max(initial=0.0) < SETTLED:
                 break
-            factor = 1.0 if last is None else _whole_way(last, step)
-            there = None if factor == 1.0 else self._tried(here, factor * step, gain)
-            last = step if there is None else None
+            is_near = gain < NEAR * here.cost
+            further = mixed.step(here.unknowns, step) if is_near else None
+            there = None if further is None else self._tried(here, further, gain)
             for number in range(HALVINGS + 1):
                 if there is not None:
                     break
@@ -385,7 +400,7 @@ class JointFit:
             t = feet
         normals = np.stack((-pace[:, 1], pace[:, 0]), axis=1) / np.sqrt(squares)[:, None]
         off = normals[:, 0] * ways[:, 0] + normals[:, 1] * ways[:, 1]
-        return _Feet(t, depth[:, 0], places, normals, off)
+        return _Feet(t, depth[:, 0], places, normals, off, shift, speeds[:, 2] / depth[:, 0])
 
     def _nearest(self, cubics: Array) -> Array:
         """Return parameters (s, k) of the nearest places on polylines in the edges' pictures."""
@@ -440,6 +455,10 @@ class JointFit:
         feet, count = here.feet, len(here.unknowns)
         t, rest = feet.t, 1.0 - feet.t
         shares = np.stack((rest**3, 3.0 * t * rest**2, 3.0 * t**2 * rest, t**3), axis=1)
+        # Beyond its ends the edge goes on straight, and turns with its tangent.
+        turns = np.stack((-3.0 * rest**2, 3.0 * rest * (rest - 2.0 * t),
+                          3.0 * t * (2.0 * rest - t), 3.0 * t**2), axis=1)  # fmt: skip
+        shares = shares * (1.0 + feet.beyond * feet.deeper)[:, None] - feet.beyond[:, None] * turns
         across = feet.normals / feet.w[:, None]
         deep = -(across[:, 0] * feet.places[:, 0] + across[:, 1] * feet.places[:, 1])
         leads = np.concatenate((across, deep[:, None]), axis=1)  # of (u w, v w, w), (s, 3, k)
@@ -514,16 +533,34 @@ def _eased(sines: Array) -> Array:
     return np.asarray(share**2 * (3.0 - 2.0 * share))
 
 
-def _whole_way(last: Array, step: Array) -> float:
-    """Return the factor of a step that leads to the limit of a geometric series (Aitken 1926).
+class _Mixed:
+    """The last steps of an iteration, of which the next one is made (Anderson 1965).
 
-    Where strokes leave the lengths of tangents open, steps get shorter by a constant ratio.
+    Where strokes leave the lengths of tangents open, Gauss–Newton steps get shorter by constant
+    ratios, one for each open direction. Walker and Ni (2011), algorithm AA.
+
+    Parameters
+    ----------
+    scales : (q,) float
+        Units of the unknowns.
     """
-    sizes = float(last @ last), float(step @ step)
-    product = float(last @ step)
-    if abs(product) < SAME_WAY * (sizes[0] * sizes[1]) ** 0.5:
-        return 1.0
-    return 1.0 / (1.0 - min(max(product / sizes[0], -LONGEST_SERIES), LONGEST_SERIES))
+
+    def __init__(self, scales: Array) -> None:
+        self._scales = scales
+        self._places: list[Array] = []
+        self._steps: list[Array] = []
+
+    def step(self, place: Array, step: Array) -> Array | None:
+        """Return the step to take from a place with a Gauss–Newton step; None for that itself."""
+        if self._steps and np.linalg.norm(step) > np.linalg.norm(self._steps[-1]):
+            self._places, self._steps = [], []  # mixing has led astray
+        self._places, self._steps = [*self._places, place][-MIXED:], [*self._steps, step][-MIXED:]
+        if len(self._steps) < 2:
+            return None
+        turns = np.diff(np.stack(self._steps), axis=0)
+        ways = np.diff(np.stack(self._places), axis=0)
+        shares = np.linalg.lstsq((turns / self._scales).T, step / self._scales, SINGULAR)[0]
+        return np.asarray(step - shares @ (ways + turns))
 
 
 def node_axes(network: Network, nodes: Sequence[int]) -> list[tuple[int, int]]:
