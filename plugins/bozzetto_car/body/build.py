@@ -87,6 +87,8 @@ class Body:
         Dimensions that it was brought to; none given if it is as it was drawn.
     dimensions_problem : str
         Why the body cannot have the dimensions that are wanted; "" if it can.
+    is_carried : bool
+        Whether edits were not made again, but carried over from another body; see `preview_of`.
     """
 
     network: Network
@@ -96,6 +98,7 @@ class Body:
     troubles: tuple[Trouble, ...] = ()
     world: Dimensions = Dimensions()
     dimensions_problem: str = ""
+    is_carried: bool = False
 
     @property
     def template(self) -> Template:
@@ -564,7 +567,7 @@ def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
     """Return the body `start` with what the edits of a car changed from `old_start` to `old`."""
     traced = list(_on_pictures(old, start, before))
     network = carried(old.network, old_start.network, start.network, traced)
-    return replace(old, network=network, solved=start.solved)
+    return replace(old, network=network, solved=start.solved, is_carried=True)
 
 
 def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture]:

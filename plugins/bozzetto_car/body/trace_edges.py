@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -127,12 +127,17 @@ class Traced:
     camera: Camera
 
     @cached_property
-    def deviations(self) -> tuple[float, ...]:
-        """The largest distance on the sheet of each edge from its part of the stroke, px.
+    def farthest(self) -> tuple[tuple[float, Array], ...]:
+        """The largest distance of each edge from its part of the stroke, px, and where that is.
 
-        It is measured on the stretch of the edge that the stroke runs beside.
+        It is measured on the stretch of the edge that the stroke runs beside. Places are (2,) px.
         """
-        return _deviations(self.network, self.run, self.camera)
+        return tuple(_farthest(self.network, self.run, self.camera))
+
+    @property
+    def deviations(self) -> tuple[float, ...]:
+        """The largest distance of each edge from its part of the stroke, px."""
+        return tuple(px for px, _ in self.farthest)
 
 
 def trace(
@@ -559,19 +564,19 @@ def _path(network: Network, signed: int, camera: Camera) -> Array:
     return np.asarray(pixels[(np.abs(pixels) <= FARTHEST).all(axis=1)])
 
 
-def _deviations(network: Network, run: Run, camera: Camera) -> tuple[float, ...]:
-    found = []
+def _farthest(network: Network, run: Run, camera: Camera) -> Iterator[tuple[float, Array]]:
     for signed, part in zip(run.edges, run.parts, strict=True):
         path = _path(network, signed, camera)
         first, last = (
             int(np.argmin(np.linalg.norm(path - end, axis=1))) for end in (part[0], part[-1])
         )
         beside = path[min(first, last) : max(first, last) + 1]
-        there = distances_to_polyline(beside, part).max()
-        inside = distances_to_polyline(part, path)
-        back = inside[_beside(part, path)].max(initial=0.0)
-        found.append(float(max(there, back)))
-    return tuple(found)
+        samples = part[_beside(part, path)]
+        pairs = [(distances_to_polyline(beside, part), beside)]
+        if len(samples):
+            pairs.append((distances_to_polyline(samples, path), samples))
+        off, places = max(pairs, key=lambda pair: float(pair[0].max()))
+        yield float(off.max()), places[int(off.argmax())]
 
 
 def _beside(part: Array, path: Array) -> Flags:

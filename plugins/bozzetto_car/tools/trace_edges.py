@@ -30,6 +30,7 @@ from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
+from bozzetto_car.view.stroke_items import TRACE_TOOL
 from bozzetto_car.view.view_advice import camera_looked_through, cars_seen
 
 Seen = tuple[CarState, ...]
@@ -41,14 +42,15 @@ class TraceEdges(Tool[CarState]):
     """The tool that bends edges to strokes; the other side of the car follows.
 
     A stroke on the sketch is kept in the pixels of its picture: it stays on the line that it
-    traces when the camera changes. The eraser takes back the last stroke or drag that bent the
-    edge under it.
+    traces when the camera changes. While this tool is in the hand it is shown with its distance
+    from the body; drawn again along the same edge, it takes the place of the last one. The eraser
+    takes back the last stroke or drag that bent the edge under it.
     """
 
-    id = "trace"
+    id = TRACE_TOOL
     title = "Trace edges"
     icon = "icons/trace.svg"
-    hint = "Draw along an edge where it is to run. The eraser takes back what bent an edge."
+    hint = "Draw along an edge where it is to run. Draw again to correct; the eraser takes back."
 
     @override
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
