@@ -14,7 +14,15 @@ from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, exte
 from bozzetto.plugin import cached_property, override, remembered
 from bozzetto.view import Camera, triple
 from bozzetto.view.calibration import resect
-from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
+from bozzetto_car.body.chain_smoothing import (
+    anneal,
+    lock_ratios,
+    own_edges,
+    shorten_tangents,
+    smooth_chains,
+    smooth_parts,
+    with_one_curvature,
+)
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
@@ -30,6 +38,7 @@ from bozzetto_car.solver.nodes_on_mesh import FEWEST
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.blend import can_blend
+from bozzetto_car.template.line_joints import with_joints
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, node_called, with_positions
 
@@ -158,7 +167,7 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     body, wanted = unstretched_body_of(state, before), state.dimensions
     if not wanted.given() or body.dimensions_problem:
         return body
-    return _finished(body, wanted)
+    return _flowing(_finished(body, wanted), state.flowing, state.smooth)
 
 
 def is_shown(state: CarState, body: Body) -> bool:
@@ -250,7 +259,13 @@ def _dimensions_at_rest(state: CarState) -> Dimensions:
 @remembered(
     limit=FIRST_SEEN,
     key=lambda state: (
-        (_Same(state.edits), state.smooth, state.default_shape, state.annealed, state.lock)
+        _Same(state.edits),
+        state.smooth,
+        state.default_shape,
+        state.annealed,
+        state.lock,
+        state.joints,
+        state.flowing,
     ),
 )
 def _first_seen(state: CarState) -> CarState:
@@ -264,15 +279,47 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
     While a mark is dragged, or the share of two templates, edits are not repeated: their effect on
     `before` is carried over.
     """
+    return _flowing(_drawn(state, before), state.flowing, state.smooth)
+
+
+@remembered(limit=REMEMBERED)
+def _flowing(body: Body, names: tuple[str, ...], smooth: bool) -> Body:
+    """Return a body in which the smooth lines along some edges run with one curvature."""
+    edges = {edge for name in names if (edge := _edge_if_any(body.template, name)) is not None}
+    if not edges:
+        return body
+    network = with_one_curvature(body.network, edges)
+    if smooth:
+        held = [
+            edge
+            for chain, first, last in smooth_parts(body.template)
+            for edge in own_edges(body.template, chain.edges[first:last])
+            if edges.intersection(own_edges(body.template, chain.edges[first:last]))
+        ]
+        network = lock_ratios(network, _firmness(body, _with_images(body.template, tuple(held))))
+    return replace(body, network=network)
+
+
+def _edge_if_any(template: Template, name: str) -> int | None:
+    try:
+        (edge,) = own_edges(template, (edge_called(template, name),))
+    except UserError:  # another template has no such edge
+        return None
+    return edge
+
+
+def _drawn(state: CarState, before: CarState | None) -> Body:
+    """Return the body of a car with its edits, unstretched."""
     try:
         base = solve_car(state, before)
     except UserError as problem:
         if not (state.lock and state.dimensions.given()):
             raise
-        loose = unstretched_body_of(replace(state, lock=False), before)
+        loose = _drawn(replace(state, lock=False), before)
         return replace(loose, dimensions_problem=problem.message)
-    if before is not None and state.edits and state.edits is before.edits:
-        old = unstretched_body_of(before)
+    is_same = before is not None and state.edits is before.edits and state.joints == before.joints
+    if before is not None and state.edits and is_same:
+        old = _drawn(before, None)
         if old.solved is not base and can_blend(old.template, base.template):
             start = _deformed(base, state)
             return _carried(old, _right_after(old.solved, before), start, before)
@@ -342,7 +389,9 @@ class _Same:
 
 @remembered(
     limit=REMEMBERED,
-    key=lambda base, state: (base, state.default_shape, state.annealed, state.smooth),
+    key=lambda base, state: (
+        (base, state.default_shape, state.annealed, state.smooth, state.joints)
+    ),
 )
 def _right_after(base: Solved, state: CarState) -> Body:
     return _deformed(base, state)
@@ -350,12 +399,15 @@ def _right_after(base: Solved, state: CarState) -> Body:
 
 def _deformed(base: Solved, state: CarState) -> Body:
     """Return the network right after deformation, as a body without edits."""
+    template = with_joints(base.template, state.joints)
     if base.mesh is not None:
-        network = network_on_mesh(base.template, base.positions, base.mesh.mesh)
+        network = network_on_mesh(template, base.positions, base.mesh.mesh)
     elif state.annealed and base.joint is not None:
-        network = fair_network(base.template, base.positions)
+        network = fair_network(template, base.positions)
     else:
-        network = Network.of(base.template, base.positions)
+        network = Network.of(template, base.positions)
+    if state.joints:
+        network = smooth_chains(network)
     if state.default_shape and base.joint is not None:
         network = pull_out_panels(network)
     return Body(lock_ratios(network) if state.smooth else network, base)
@@ -439,7 +491,7 @@ def _moved_since(now: Solved, state: CarState, then: CarState) -> _Moved | None:
 @remembered(
     limit=FIRST_SEEN,
     key=lambda now, then, state, wanted: (
-        (now, then, wanted, state.default_shape, state.annealed, state.smooth)
+        (now, then, wanted, state.default_shape, state.annealed, state.smooth, state.joints)
     ),
 )
 def _moved(now: Solved, then: Solved, state: CarState, wanted: Dimensions) -> _Moved:
@@ -495,7 +547,7 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool, moved: _Moved | N
     key=lambda body, state, strokes: (
         body,
         tuple((number, _Same(state.edits[number])) for number in strokes),
-        (state.smooth, state.default_shape, state.annealed),
+        (state.smooth, state.default_shape, state.annealed, state.joints),
         (state.lock, state.dimensions),
     ),
 )

@@ -87,6 +87,9 @@ FOOT_SETTLED: Final = 1e-8
 LONGEST_SHIFT: Final = 1.0 / FOOT_PLACES
 """Longest step of the parameter."""
 
+FARTHEST_BEYOND: Final = 8.0
+"""Most steps of the parameter by which a sample counts as beyond the end of an edge."""
+
 LOCAL: Final = 14
 """Unknowns of an edge: three of each node, three of each tangent, a ratio at each end."""
 
@@ -400,7 +403,8 @@ class JointFit:
             t = feet
         normals = np.stack((-pace[:, 1], pace[:, 0]), axis=1) / np.sqrt(squares)[:, None]
         off = normals[:, 0] * ways[:, 0] + normals[:, 1] * ways[:, 1]
-        return _Feet(t, depth[:, 0], places, normals, off, shift, speeds[:, 2] / depth[:, 0])
+        beyond = np.clip(shift, -FARTHEST_BEYOND, FARTHEST_BEYOND)
+        return _Feet(t, depth[:, 0], places, normals, off, beyond, speeds[:, 2] / depth[:, 0])
 
     def _nearest(self, cubics: Array) -> Array:
         """Return parameters (s, k) of the nearest places on polylines in the edges' pictures."""

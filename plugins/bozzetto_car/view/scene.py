@@ -28,6 +28,7 @@ from bozzetto_car.view.edge_items import (
     node_items,
     sources_of,
 )
+from bozzetto_car.view.joint_items import joint_layer
 from bozzetto_car.view.mark_items import mark_layers
 from bozzetto_car.view.mesh_items import mesh_layers
 from bozzetto_car.view.stroke_items import stroke_layers
@@ -59,7 +60,7 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
         return Scene()
     layers = [Layer("sketch", tuple(_picture(state.sketch, body)), chosen=True)]
     if is_shown(state, body):
-        layers += body_layers(state, body)
+        layers += [*body_layers(state, body), joint_layer(state, body)]
     layers.append(Layer("styling", styling_items(state, body)))
     layers.append(Layer("chosen styling", chosen_styling(state, body), chosen=True))
     layers += stroke_layers(state, body)
