@@ -20,6 +20,7 @@ from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
 from bozzetto_car.dimensions import LONGEST, Dimensions
+from bozzetto_car.template.line_joints import LineJoint
 from bozzetto_car.template.loader import Bundled, bundled_file
 
 Point = tuple[float, float, float]
@@ -135,25 +136,6 @@ class Treatment(BodyEdit):
     """
 
     kind: Literal["anneal", "reduce", "pull out"] = "anneal"
-
-
-@dataclass(frozen=True)
-class LineJoint:
-    """A line that is sharp or smooth where it passes a node, other than the template has it.
-
-    Parameters
-    ----------
-    node : str
-        Name of a node of the right half or the middle; the other side follows.
-    before, after : str
-        Names of the nodes before and after it on the line.
-    smooth : bool
-    """
-
-    node: str = ""
-    before: str = ""
-    after: str = ""
-    smooth: bool = False
 
 
 # -- parts -----------------------------------------------------------------------------------------

@@ -187,9 +187,10 @@ def trace_all(
     """Bend the edges that strokes run along until they are seen along all of them.
 
     All strokes are fitted at once, so their order has no say, unless one traces again what another
-    one has traced. On the same sketch the later one replaces the stretch that it runs along; so
-    it does, but for what its view does not show, in any other view of the car. Strokes on two
-    sketches, or on both sides of the car, count alike.
+    one has traced. On the same sketch the later one replaces the stretch that it runs along. It
+    is then meant as a correction, as one in another view of the car is, and counts a hundred times
+    as much as what was drawn along that stretch before. Strokes on two sketches, or on both sides
+    of the car, count alike.
 
     A node that one stroke reaches goes to it, parallel to the image plane. One that several reach
     goes to where all of them, and what was known of it, are met best. Neighbours in smooth chains
@@ -365,8 +366,9 @@ class _Fit:
         for row in by_edge.values():
             for place, older in enumerate(row):
                 kept, weights = parts[older], parts[older].weights
-                for newer in row[place + 1 :]:
-                    left = self._left(kept, parts[newer])
+                for at, newer in enumerate(row[place + 1 :], place + 1):
+                    again = any(self._is_replaced(parts[one], parts[newer]) for one in row[:at])
+                    left = self._left(kept, parts[newer], again)
                     if left < 1.0:
                         along = _along(shares(older), shares(newer))
                         weights = np.where(along, left * weights, weights)
@@ -383,14 +385,23 @@ class _Fit:
         ]
         return [part for part in made if part is not None], ends
 
-    def _left(self, older: _Part, newer: _Part) -> float:
-        """Return the weight that a part of a stroke keeps along a later one."""
-        was, now = self.lines[older.number].sketch, self.lines[newer.number].sketch
+    def _left(self, older: _Part, newer: _Part, again: bool) -> float:
+        """Return the weight that a part of a stroke keeps along a later one.
+
+        One that was drawn again is meant to be followed, whatever other strokes say.
+        """
         if older.number == newer.number:
             return 1.0
-        if not (was and now):
-            return OVERRULED
-        return 0.0 if was == now and older.is_mirrored == newer.is_mirrored else 1.0
+        if self._is_replaced(older, newer):
+            return 0.0
+        on_sketches = self.lines[older.number].sketch and self.lines[newer.number].sketch
+        return 1.0 if on_sketches and not again else OVERRULED
+
+    def _is_replaced(self, older: _Part, newer: _Part) -> bool:
+        """Whether two strokes are on one sketch, and on the same side of the car."""
+        was, now = self.lines[older.number].sketch, self.lines[newer.number].sketch
+        is_same_side = older.is_mirrored == newer.is_mirrored
+        return bool(was) and was == now and is_same_side and older.number != newer.number
 
     def _shares(self, part: _Part, seen_on: Network) -> Array:
         """Return the parameters of the edge's places that are seen nearest to samples, (k,)."""

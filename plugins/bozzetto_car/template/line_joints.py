@@ -8,13 +8,12 @@ other: all that follows its chains follows the wishes.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto_car.state import LineJoint
 from bozzetto_car.template.model import Chain, Template
 
 KNOWN: Final = 32
@@ -22,6 +21,25 @@ KNOWN: Final = 32
 
 Line = tuple[int, int, int]
 """A node and the nodes before and after it on a line."""
+
+
+@dataclass(frozen=True)
+class LineJoint:
+    """A line that is sharp or smooth where it passes a node, other than the template has it.
+
+    Parameters
+    ----------
+    node : str
+        Name of a node of the right half or the middle; the other side follows.
+    before, after : str
+        Names of the nodes before and after it on the line.
+    smooth : bool
+    """
+
+    node: str = ""
+    before: str = ""
+    after: str = ""
+    smooth: bool = False
 
 
 def lines_at(template: Template, node: int) -> tuple[Line, ...]:

@@ -101,7 +101,15 @@ def _traced(state: CarState, stroke: Stroke, seen: Seen) -> tuple[CarState, Trac
     there = in_world_of(unstretched, edit)
     run = find_run(there, points, camera)
     edges = tuple(max(edge, ~edge) for edge in run.edges)
-    edit = replace(edit, edges=tuple(body.template.edge_names[edge] for edge in edges))
+    names = tuple(body.template.edge_names[edge] for edge in edges)
+    # A stroke that takes the place of another one holds the nodes that the other one held.
+    held = any(
+        isinstance(other, TracedEdges) and other.sketch == edit.sketch and other.nodes_follow
+        and not {*names}.isdisjoint(other.edges) for other in state.edits
+    )  # fmt: skip
+    edit = replace(
+        edit, edges=names, nodes_follow=edit.nodes_follow or (held and bool(edit.sketch))
+    )
     if unstretched.drawn.issuperset(edges) and _is_followed(there, points, camera, edges):
         return state, edit
     return replace(state, edits=(*state.edits, edit)), edit

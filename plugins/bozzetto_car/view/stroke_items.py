@@ -28,7 +28,7 @@ OFF: Final = 2.5
 TOLD_FROM: Final = 0.5
 """Distance, px, from which it is written beside the stroke: below, a hand draws no better."""
 
-LABEL_ROOM: Final = (0.025, 0.012)
+LABEL_ROOM: Final = (0.036, 0.016)
 """Width and height of the space that a number keeps free, in diagonals of the picture."""
 
 REMEMBERED: Final = 16

@@ -114,18 +114,24 @@ def along(edit: TracedEdges, points: Array) -> TracedEdges:
     return replace(edit, strokes=Strokes((Stroke(*points.T, own.camera, tool=own.tool),)))
 
 
-def test_a_stroke_that_is_drawn_again_on_its_sketch_replaces_the_first() -> None:
-    state = traced("sedan", 21)
-    first = state.edits[0]
-    assert isinstance(first, TracedEdges)
-    points = first.strokes[0].points
-    bulge = 9.0 * np.sin(np.linspace(0.0, np.pi, len(points)))
-    wrong = along(first, points + np.column_stack((0.0 * bulge, bulge)))
-    corrected = replace(state, edits=(wrong, *state.edits[1:], first))
-    assert np.array_equal(
-        body_of(corrected).network.control_points, body_of(state).network.control_points
-    )
-    assert gap(body_of(replace(state, edits=(wrong, *state.edits[1:]))), body_of(state)) > 1.0
+@pytest.mark.parametrize("name", PAPER_TEMPLATES)
+def test_a_stroke_that_is_drawn_again_on_its_sketch_replaces_the_first(name: str) -> None:
+    """And it is followed where other strokes along the edge or its image say something else."""
+    state = traced(name, 21)
+    for first in state.edits[::5]:
+        assert isinstance(first, TracedEdges)
+        points = first.strokes[0].points
+        wave = np.sin(np.linspace(0.0, np.pi, len(points)))[:, None] * (0.0, 1.0)
+        others = tuple(edit for edit in state.edits if edit is not first)
+        again = along(first, points + 5.0 * wave)
+        bodies = [
+            body_of(replace(state, edits=(along(first, points + px * wave), *others, again)))
+            for px in (9.0, -9.0)
+        ]
+        assert np.array_equal(bodies[0].network.control_points, bodies[1].network.control_points)
+        edits = (*others, again)
+        off = {miss.edge: miss.px for miss in misses_of(bodies[0], edits, first.sketch)}
+        assert off[first.edges[0]] <= 2.5
 
 
 def test_a_stroke_along_a_part_of_an_edge_leaves_the_rest_of_the_first_one() -> None:
