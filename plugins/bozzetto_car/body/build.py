@@ -611,8 +611,11 @@ def _information(solved: Solved) -> Array | None:
     if solved.joint is None:
         return None
     span = solved.joint.span
-    beside = np.eye(len(span)) - span @ np.linalg.pinv(span)
-    return np.asarray(span @ solved.joint.information @ span.T + beside / HELD**2)
+    told = span @ solved.joint.information @ span.T
+    if span.shape[0] == span.shape[1]:
+        return np.asarray(told)
+    within = span @ np.linalg.solve(span.T @ span, span.T)
+    return np.asarray(told + (np.eye(len(span)) - within) / HELD**2)
 
 
 def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:

@@ -367,7 +367,7 @@ class JointFit:
         ways = np.swapaxes(ways, 2, 3)
         off = ways - (ways * along[:, :, None]).sum(axis=3, keepdims=True) * along[:, :, None]
         sines = np.linalg.norm(off, axis=3, keepdims=True)
-        share = _eased(sines) * free.all(axis=2)[..., None, None]
+        share = _eased(sines) * np.asarray(free.all(axis=2))[..., None, None]
         still = share * off / np.maximum(sines, TINY) + (1.0 - share) * ways
         still /= np.maximum(np.linalg.norm(still, axis=3, keepdims=True), TINY)
         stiff = np.einsum("ehk,ehki,ehkj->ehij", hidden, still, still)
@@ -479,13 +479,13 @@ class JointFit:
         local, pull = back @ form @ ways, (back @ slope[..., None])[..., 0]
         columns, whole = self._columns, count + 1
         at = columns[:, :, None] * whole + columns[:, None]
-        total = np.bincount(at.ravel(), local.ravel(), whole * whole)
-        steep = np.bincount(columns.ravel(), pull.ravel(), whole)
+        every: Array = np.bincount(at.ravel(), local.ravel(), whole * whole)
+        pulls: Array = np.bincount(columns.ravel(), pull.ravel(), whole)
         columns, local, pull = self._node_pulls(here)
         at = columns[:, :, None] * whole + columns[:, None]
-        total += np.bincount(at.ravel(), local.ravel(), whole * whole)
-        steep += np.bincount(columns.ravel(), pull.ravel(), whole)
-        total, steep = total.reshape(whole, whole)[:count, :count], steep[:count]
+        every = every + np.bincount(at.ravel(), local.ravel(), whole * whole)
+        steep: Array = (pulls + np.bincount(columns.ravel(), pull.ravel(), whole))[:count]
+        total: Array = every.reshape(whole, whole)[:count, :count]
         away = here.unknowns - self._starts
         nodes, first = len(self.node_axes), self._first_ratio
         total[:nodes, :nodes] += self._node_form

@@ -34,7 +34,7 @@ from bozzetto_car.solver.prior import DEVIATION
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network, junctions, with_positions, with_tangents
 
-MOST_SAMPLES: Final = 96
+MOST_SAMPLES: Final = 48
 """Most samples of a stroke that a fit uses: a cubic has no finer detail."""
 
 WORTH: Final = 20.0

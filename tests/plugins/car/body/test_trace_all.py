@@ -103,7 +103,7 @@ def test_an_edge_stays_on_its_stroke_when_its_neighbour_is_traced(name: str) -> 
             after = {miss.edge: miss.px for miss in misses_of(
                 body_of(pair), pair.edits, strokes[own].sketch)}  # fmt: skip
             drifts.append(after[own] - before[own])
-    assert np.max(drifts) <= 1.5
+    assert np.max(drifts) <= 1.0
     assert np.median(drifts) <= 0.2
     assert template.id == name
 
