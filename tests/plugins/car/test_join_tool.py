@@ -192,3 +192,12 @@ def test_the_sheet_shows_every_line_where_it_passes_a_node() -> None:
     words = [item.text for item in joint_layer(flowing, body_of(flowing)).items
              if hasattr(item, "text")]  # fmt: skip
     assert words == ["G2"]
+
+
+def test_all_edits_are_taken_back_with_the_joints() -> None:
+    state = touched(touched(marked(4), "C1"), "S3.R-S2.R")
+    command = next(own for own in Car().commands() if own.id == "undo-edits")
+    assert command.enabled(state)
+    back = command.run(state, Context())
+    assert (back.edits, back.joints, back.flowing) == ((), (), ())
+    assert not command.enabled(back)

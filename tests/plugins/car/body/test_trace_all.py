@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline
 from bozzetto_car.body.build import Body, body_of
 from bozzetto_car.body.stroke_distances import misses_of
+from bozzetto_car.camera.sketch_camera import upright_camera
+from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.state import BentEdge, CarState, MovedNode, TracedEdges
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
 from bozzetto_car.template.network import edge_called
 from tests.plugins.car.drawn_cars import drawn, stroke
-from tests.plugins.car.marked_car import locked_creases, with_mark_moved
+from tests.plugins.car.marked_car import locked_creases, marked, with_mark_moved
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER
-from tests.plugins.car.traced_car import curve, symmetric
+from tests.plugins.car.traced_car import curve, symmetric, view
 
 Array = NDArray[np.float64]
 
@@ -35,11 +37,11 @@ def traced(name: str, seed: int) -> CarState:
     car = drawn(bundled(name), seed, (FRONT_QUARTER, REAR_QUARTER))
     rng = np.random.default_rng(seed)
     facts = car.marks_file()
-    for picture, view in zip(car.pictures, facts["views"], strict=True):
+    for picture, told in zip(car.pictures, facts["views"], strict=True):
         side = "R" if "WF.R" in picture.marks else "L"
         words = [edge.replace(".R", f".{side}") for edge in EDGES]
         names = [car.template.edge_names[edge_called(car.template, word)] for word in words]
-        view["strokes"] = {
+        told["strokes"] = {
             edge: stroke(car.network, picture.camera, edge, rng).tolist()
             for edge in names if {*edge.split("-")} <= {*picture.marks}
         }  # fmt: skip
@@ -196,3 +198,31 @@ def test_a_corner_traced_in_one_view_leaves_its_twin_in_the_picture(name: str) -
                 for body in (before, after)
             )
             assert np.linalg.norm(two - one, axis=1).max() <= 15.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_any_ink_in_all_views_gives_a_finite_symmetric_car(seed: int) -> None:
+    """Scribbles on a sketch and beside it, with and without dimensions of their time."""
+    rng = np.random.default_rng(seed)
+    state = marked(seed, TEMPLATES[seed])
+    names, edits = body_of(state).template.edge_names, []
+    for number in range(12):
+        on_sketch = rng.random() < 0.6
+        kind = ("perspective", "orthographic")[number % 2]
+        camera = upright_camera(state.sketches[0].size).camera if on_sketch else (
+            view(rng.uniform(-180.0, 180.0), rng.uniform(-5.0, 60.0), kind)
+        )  # fmt: skip
+        walk = rng.normal(0.0, 1.0 + 20.0 * rng.random(), (int(rng.integers(2, 80)), 2))
+        places = np.cumsum(walk, axis=0) + rng.uniform(0.1, 0.9, 2) * camera.viewport
+        wanted = Dimensions(length=4300.0 + rng.uniform(0.0, 500.0))
+        edits.append(TracedEdges(
+            Dimensions() if on_sketch or rng.random() < 0.7 else wanted,
+            strokes=Strokes((Stroke(*places.T, camera),)),
+            sketch="1" if on_sketch else "",
+            edges=(str(rng.choice(names)),) if rng.random() < 0.8 else (),
+            nodes_follow=bool(rng.random() < 0.5),
+        ))  # fmt: skip
+    for lock, length in ((False, 0.0), (False, 4600.0), (True, 4500.0)):
+        body = body_of(replace(state, edits=tuple(edits), lock=lock, length=length))
+        assert np.isfinite(body.network.control_points).all()
+        assert symmetric(body.network)
