@@ -57,6 +57,8 @@ class Parameter:
     in_forms : bool
         Whether forms show it. False where the window has a better way to say it, such as a panel;
         the command line takes it all the same.
+    tools : tuple of str
+        Ids of the tools for which it is: with others in the hand, forms leave it out.
     """
 
     label: str
@@ -70,8 +72,11 @@ class Parameter:
     zero: str = ""
     idle_while: tuple[tuple[str, tuple[object, ...]], ...] = ()
     in_forms: bool = True
+    tools: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.tools, tuple) or not all(isinstance(one, str) for one in self.tools):
+            raise TypeError(f"the tools of {self.label!r} must be a tuple of ids of tools")
         low, high = self.minimum, self.maximum
         reached = (low is None or low <= 0) and (high is None or high >= 0)
         if not isinstance(self.zero, str) or (self.zero and not reached):

@@ -27,7 +27,7 @@ from bozzetto.scene import Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.export import shapes_of
-from bozzetto_symmetry.model.facts import box_around, box_facts, readings_of
+from bozzetto_symmetry.model.facts import box_about, box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
 from bozzetto_symmetry.operations.settling import with_settled
@@ -84,9 +84,13 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
 
     @override
     def create(self, context: Context) -> SymmetryState:
-        """Return an empty box: the one that a file gives, or 200 × 100 × 100 mm on the ground."""
+        """Return an empty box: the one that a file gives, or 200 × 100 × 100 mm on the ground.
+
+        Beside objects that are far larger or smaller it is as large as these, and about them.
+        """
         given = box_facts(context.facts)
-        return replace(SymmetryState(), **({} if given else ON_GROUND), **given)
+        usual = {} if given else {**ON_GROUND, **box_about(context.scene)}
+        return replace(SymmetryState(), **usual, **given)
 
     @override
     def tools(self) -> Sequence[Tool[SymmetryState]]:

@@ -679,8 +679,10 @@ def recover(monkey: Monkey) -> None:
 
 
 def resize(monkey: Monkey) -> None:
-    """Make the window another size, full or normal."""
+    """Make the window another size, full or normal; one that was closed is not shown again."""
     chance, window = monkey.chance, monkey.window
+    if not window.isVisible():
+        return
     how = chance.randrange(6)
     if how == 0:
         window.showMaximized()

@@ -14,6 +14,7 @@ from PySide6.QtGui import QGuiApplication
 from bozzetto.atomic_files import Over
 from bozzetto.errors import UserError
 from bozzetto_app.dialogs.film_dialog import FilmDialog
+from bozzetto_app.dialogs.turntable_dialog import TurntableDialog
 from bozzetto_app.i18n import tr
 from bozzetto_app.session.files import DOCUMENT_ENDING, LAST_FOLDER, Hindrance
 from bozzetto_app.session.films import LONGEST_FILM
@@ -308,7 +309,7 @@ class FileQuestions:
         if recorded > 0.0:
             FilmDialog(title, recorded, partial(films.make, path), self._window).open()
         else:
-            self._ask_seconds("film", title, path, films.make)
+            self._ask_seconds(title, path, films.make)
 
     def ask_turntable(self) -> None:
         """Ask for a file and for how long, and make a turntable."""
@@ -322,13 +323,11 @@ class FileQuestions:
         if path.suffix.lower() in MOVING and not (is_asked or self._may_replace(path)):
             return
         films = self._session.files.exchange.films
-        self._ask_seconds("turntable", tr("Files", "Turntable"), path, films.turn)
+        TurntableDialog(partial(films.turn, path), self._window).open()
 
-    def _ask_seconds(
-        self, name: str, title: str, path: Path, then: Callable[[Path, float], None]
-    ) -> None:
+    def _ask_seconds(self, title: str, path: Path, then: Callable[[Path, float], None]) -> None:
         asked = QtWidgets.QInputDialog(self._window)
-        asked.setObjectName(name)
+        asked.setObjectName("film")
         asked.setWindowTitle(title)
         asked.setLabelText(tr("Files", "Seconds"))
         asked.setInputMode(QtWidgets.QInputDialog.InputMode.DoubleInput)

@@ -27,8 +27,11 @@ LEAST_WIDTH: Final = 264
 FIRST_HEIGHTS: Final = (232, 390, 112)
 """Of objects, parameters and history at the first start, pixels."""
 
-LEAST_HEIGHTS: Final = (130, 320, 90)
-"""Of the same where a plugin has a panel of its own beside the parameters, pixels."""
+LEAST_HEIGHTS: Final = (174, 260, 98)
+"""Of the same where a plugin has a panel of its own beside the parameters, pixels.
+
+Three objects and two steps are legible; what a panel has beyond its height is scrolled to.
+"""
 
 
 class Docks(QObject):
@@ -170,7 +173,8 @@ class Docks(QObject):
     def _make_room(self) -> None:
         """Give a plugin's panel the height that it asks for, and what is left to the objects."""
         objects, panel, history = LEAST_HEIGHTS
-        asked = max(panel, self.plugin_panel.sizeHint().height())
+        room = max(panel, self._height() - objects - history)
+        asked = min(max(panel, self.plugin_panel.sizeHint().height()), room)
         if self._plugin_dock.isVisible() and self._plugin_dock.height() < asked:
             before = self.ends
             objects = max(objects, self._height() - asked - history)

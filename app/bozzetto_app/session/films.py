@@ -121,7 +121,7 @@ class Films(QObject):
 
         self.channel.submit(Request(work, done, self._notices.complain))
 
-    def turn(self, path: Path, seconds: float) -> None:
+    def turn(self, path: Path, seconds: float, from_sketch: bool = False) -> None:
         """Write a turntable of all that is visible.
 
         Parameters
@@ -130,15 +130,26 @@ class Films(QObject):
             Its ending says what is written: .gif, .mp4, or a row of .png.
         seconds : float
             How long one turn takes.
+        from_sketch : bool
+            Whether it begins with the sketch, in the view as it is now if something of it is there.
         """
-        bench, document = self._workbench, self._drawing.document
+        bench, document, camera = self._workbench, self._drawing.document, self._view.camera
 
         def work(job: Job) -> tuple[Path, ...]:
             from bozzetto.workbench.turntables import write_turntable
 
             count = max(2, round(seconds * TURN_RATE))
             return write_turntable(
-                bench, document, path, count, seconds, job, replaces=False, size=TURN_SIZE
+                bench,
+                document,
+                path,
+                count,
+                seconds,
+                job,
+                replaces=False,
+                from_sketch=from_sketch,
+                camera=camera,
+                size=TURN_SIZE,
             )
 
         def done(paths: tuple[Path, ...]) -> None:

@@ -160,7 +160,7 @@ class Hints(QObject):
         """Return what is to be done with ink that waits for the tool in the hand."""
         hand = self._toolbox.modeler, self._toolbox.tool
         for one in reversed(self._drawing.document.waiting):
-            if one.is_for(*hand) and one.status == "unfinished":
+            if one.is_for(*hand) and one.status in ("unfinished", "refused"):
                 return NextStep(one.reason)
             if one.is_for(*hand) and one.status == "failed":
                 return NextStep(

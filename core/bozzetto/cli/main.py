@@ -196,6 +196,11 @@ def _parser() -> argparse.ArgumentParser:
         help="turn it once around in N pictures: a .gif, an .mp4 (by ffmpeg) or a row of .png",
     )
     render.add_argument("--seconds", type=float, default=4.0, help="of one turn; default 4")
+    render.add_argument(
+        "--from-sketch",
+        action="store_true",
+        help="the turntable begins with the sketch, which is drawn and becomes the shapes",
+    )
     add_place(render)
     _add_trust(render)
     render.set_defaults(run=_render)
@@ -274,12 +279,14 @@ def _render(options: argparse.Namespace) -> int:
     unseen = (unusable(bench, model) for model in document if model.visible)
     warn(problem.sentence("picture") for problem in unseen if problem is not None)
     palette = DARK if options.theme == "dark" else LIGHT
+    if options.from_sketch and (options.turntable is None or options.view):
+        raise UserError("--from-sketch is for --turntable, and has a view of its own: no --view.")
     if options.turntable is not None:
         make_folder(options.output)
         write_turntable(
             bench, document, options.output, options.turntable, options.seconds,
             view=options.view or "three-quarter", size=(width, height), palette=palette,
-            shading=options.shading,
+            shading=options.shading, from_sketch=options.from_sketch,
         )  # fmt: skip
         return 0
     image, walls = _picture_of(

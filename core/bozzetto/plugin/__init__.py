@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from bozzetto.lazy_names import lazy_names
 
-API_VERSION = (2, 2)
+API_VERSION = (2, 3)
 """Version of this contract: a plugin's manifest names the range it was written for."""
 
 if TYPE_CHECKING:

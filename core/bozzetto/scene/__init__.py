@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from bozzetto.scene.surface_places import follow as follow
     from bozzetto.scene.surface_places import located as located
     from bozzetto.scene.surface_places import surface_mesh as surface_mesh
+    from bozzetto.scene.surface_places import topology_of as topology_of
     from bozzetto.scene.surface_runs import depth_breaks as depth_breaks
     from bozzetto.scene.surface_runs import unbroken_runs as unbroken_runs
     from bozzetto.scene.wall_thickness import Walls as Walls
@@ -57,7 +58,7 @@ else:
             "bozzetto.scene.renderer.zbuffer": "DepthBuffer blank_buffer rasterize",
             "bozzetto.scene.part_display": "shaded_part",
             "bozzetto.scene.surface_places": "FollowedPlaces SurfacePlaces follow located "
-            "surface_mesh",
+            "surface_mesh topology_of",
             "bozzetto.scene.surface_runs": "depth_breaks unbroken_runs",
             "bozzetto.scene.wall_thickness": "Walls walls_of",
         },

@@ -63,14 +63,19 @@ class InkReadings:
             If there is no ink.
         """
         row = [model for model in models if model.visible and not self._bench.is_foreign(model)]
-        strokes = [
-            stroke.moved(model.placement)
-            for model in row
-            for stroke in self._bench.guarded(model).ink(model.state)
-        ]
+        strokes = self.ink_of(row)
         if not strokes:
             raise UserError(NO_INK)
         return self.drawing_of_strokes(strokes, row[0].name)
+
+    def ink_of(self, models: Iterable[Model]) -> list[Stroke]:
+        """Return the strokes of models in the world, in their order; none of what is hidden."""
+        return [
+            stroke.moved(model.placement)
+            for model in models
+            if model.visible and not self._bench.is_foreign(model)
+            for stroke in self._bench.guarded(model).ink(model.state)
+        ]
 
     def drawing_of_document(self, document: Document) -> Drawing:
         """Return the ink of all visible objects; where none is made of ink, what waits.

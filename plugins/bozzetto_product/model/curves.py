@@ -15,6 +15,7 @@ from bozzetto.arrays import frozen
 from bozzetto.geometry import Spline
 from bozzetto.ink import Strokes
 from bozzetto.plugin import Parameter, Part, UserError
+from bozzetto.scene import SurfacePlaces
 from bozzetto_product.model.appearance import Color
 from bozzetto_product.model.planes import Plane
 
@@ -34,7 +35,10 @@ class LaidPlaces:
     part : str
         Id of the `FollowedShape`.
     count : int
-        Faces of the surface then: with others the places are found anew.
+        Faces of the surface then.
+    topology : str
+        What tells its triangles from others (`bozzetto.scene.topology_of`): on others the places
+        are found anew. "" in documents of before: there only the number of faces is compared.
     faces : (n,) int32
         Faces of the places.
     weights : (n, 3) float64
@@ -48,6 +52,7 @@ class LaidPlaces:
     faces: NDArray[np.int32]
     weights: NDArray[np.float64]
     points: NDArray[np.float64]
+    topology: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", frozen(self.faces, np.int32))
@@ -55,6 +60,12 @@ class LaidPlaces:
         object.__setattr__(self, "points", frozen(self.points, np.float64, 3))
         if not len(self.faces) == len(self.weights) == len(self.points):
             raise ValueError("every place needs one face, three weights and one point")
+        if self.topology:
+            self.on_surface()  # refuses what are no places
+
+    def on_surface(self) -> SurfacePlaces:
+        """Return the places as those of a surface that a scene could show."""
+        return SurfacePlaces(self.part, "", 0, self.topology, self.faces, self.weights)
 
 
 @dataclass(frozen=True)

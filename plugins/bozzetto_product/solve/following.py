@@ -9,7 +9,8 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import DEGREE, Mesh, Spline, closest_on_mesh, mesh_points
+from bozzetto.geometry import DEGREE, Mesh, MeshPlaces, Spline, closest_on_mesh, mesh_points
+from bozzetto.scene import follow, topology_of
 from bozzetto_product.model.curves import Curve, LaidPlaces
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.canvas import Canvas, Sources, canvases_of
@@ -27,8 +28,13 @@ def laid_on(spline: Spline, canvas: Canvas) -> LaidPlaces:
     points = spline.sampled(PLACES)
     found = closest_on_mesh(canvas.mesh, points)
     there = mesh_points(canvas.mesh, found.faces, found.weights)
+    return _laid(canvas.part.id, canvas.mesh, found, there)
+
+
+def _laid(part: str, mesh: Mesh, found: MeshPlaces, points: Array) -> LaidPlaces:
+    """Return places that were found on a surface, with what tells it from others."""
     faces = found.faces.astype(np.int32)
-    return LaidPlaces(canvas.part.id, len(canvas.mesh.faces), faces, found.weights, there)
+    return LaidPlaces(part, len(mesh.faces), faces, found.weights, points, topology_of(mesh))
 
 
 def followed_curves(curves: Sequence[Curve], canvases: Sequence[Canvas]) -> tuple[Curve, ...]:
@@ -66,11 +72,12 @@ def where_it_stands(state: ProductState, sources: Sources) -> ProductState:
 
 def _laid_anew(curve: Curve, meshes: Mapping[str, Mesh]) -> Curve:
     """Return a curve where it is now, with the places there that it follows from now on."""
-    moved = _followed(curve, meshes)
-    if moved is curve or curve.laid is None:
+    moved, laid = _followed(curve, meshes), curve.laid
+    if laid is None or (mesh := meshes.get(laid.part)) is None:
         return curve
-    now = _places_now(curve.laid, meshes[curve.laid.part])
-    return replace(moved, laid=now)
+    if moved is curve and (_is_same(laid, mesh) or not laid.topology):
+        return curve
+    return replace(moved, laid=_places_now(laid, mesh))
 
 
 def _meshes(canvases: Sequence[Canvas]) -> dict[str, Mesh]:
@@ -79,11 +86,19 @@ def _meshes(canvases: Sequence[Canvas]) -> dict[str, Mesh]:
 
 def _places_now(laid: LaidPlaces, mesh: Mesh) -> LaidPlaces:
     """Return places on a surface as it is now: with other triangles the closest ones."""
-    if len(mesh.faces) == laid.count and int(laid.faces.max(initial=0)) < laid.count:
+    if not laid.topology and _is_same(laid, mesh):
         return replace(laid, points=mesh_points(mesh, laid.faces, laid.weights))
+    if _is_same(laid, mesh):
+        return replace(laid, points=follow(laid.on_surface(), mesh, mesh).points)
     found = closest_on_mesh(mesh, laid.points)
-    faces = found.faces.astype(np.int32)
-    return LaidPlaces(laid.part, len(mesh.faces), faces, found.weights, found.points(mesh))
+    return _laid(laid.part, mesh, found, found.points(mesh))
+
+
+def _is_same(laid: LaidPlaces, mesh: Mesh) -> bool:
+    """Whether a surface has the triangles on which places lie, though a mirror turned them over."""
+    if laid.topology:
+        return laid.on_surface().fit(mesh)
+    return len(mesh.faces) == laid.count and int(laid.faces.max(initial=0)) < laid.count
 
 
 def _followed(curve: Curve, meshes: Mapping[str, Mesh]) -> Curve:

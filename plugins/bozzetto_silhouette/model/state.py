@@ -197,15 +197,16 @@ class Part(Node):
         Parameter(
             "Kernel",
             advanced=True,
-            help="The function that makes limbs round; the default keeps thin ones thin.",
+            help="The function that makes limbs round; the default keeps thin ones thin. The "
+            "compact ones are SketchCo's: limbs crumple, as in the paper.",
             idle_while=(("surface", ("variational", "inflation", "straight")),),
             choices=(
                 ("scalis", "Scale-invariant (default)"),
                 ("cauchy", "Cauchy"),
                 ("inverse-cubic", "1 / r³"),
                 ("inverse-quartic", "1 / r⁴"),
-                ("quartic", "Compact quartic"),
-                ("sextic", "Compact sextic"),
+                ("quartic", "Compact quartic, as in SketchCo"),
+                ("sextic", "Compact sextic, as in SketchCo"),
             ),
         ),
     ] = "scalis"
@@ -365,6 +366,7 @@ class SilhouetteState(PartsState):
             "Paint colour",
             help="What Paint gives to whole parts, and Brush to what it goes over; none takes it "
             "away.",
+            tools=("paint", "brush"),
         ),
     ] = (196, 74, 54)
     brush_size: Annotated[
@@ -377,6 +379,7 @@ class SilhouetteState(PartsState):
             unit="px",
             help="Width of the brush on the sheet where the pen is pressed hard; zoom in to paint "
             "finer.",
+            tools=("brush",),
         ),
     ] = 24.0
     brush_opacity: Annotated[
@@ -387,6 +390,7 @@ class SilhouetteState(PartsState):
             1.0,
             step=0.05,
             help="How much a stroke of the brush covers what lies under it.",
+            tools=("brush",),
         ),
     ] = 1.0
     brush_softness: Annotated[
@@ -397,6 +401,7 @@ class SilhouetteState(PartsState):
             1.0,
             step=0.02,
             help="How much of the brush's radius its edge takes to fade.",
+            tools=("brush",),
         ),
     ] = 0.2
     mirrored: Annotated[

@@ -10,6 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, is_one_view, on_canvas
+from bozzetto.scene import Lines, Scene, Shaded
 from bozzetto.view import triple
 from bozzetto_symmetry.model.axes import AXES
 from bozzetto_symmetry.model.state import AskedReading, SymmetryState
@@ -32,7 +33,16 @@ LEAST_SEEN: Final = 0.4
 """Share of its length that an axis is taken to be seen at, however short it is seen."""
 
 FIGURES: Final = 2
-"""Digits of the edges of a box around ink."""
+"""Digits of the edges of a box around ink or around other objects."""
+
+UNLIKE: Final = 4.0
+"""How many times as large as the usual box what is visible may be, or the box as that."""
+
+ROOM: Final = 1.1
+"""Edges of a box about other objects, in lengths of theirs."""
+
+LEAST_SHARE: Final = 0.25
+"""Its shortest edge, as share of the longest of theirs."""
 
 
 def box_facts(facts: Mapping[str, Any]) -> dict[str, Any]:
@@ -126,6 +136,39 @@ def box_around(strokes: Sequence[Stroke], plane: CentrePlane) -> dict[str, Any]:
     edges = np.clip([float(f"{v:.{FIGURES}g}") for v in reach / seen], *SIZE_LIMITS)
     length, width, height = edges.tolist()
     x, y, z = (float(v) + 0.0 for v in np.clip(centre, -FARTHEST, FARTHEST))
+    return {"centre": (x, y, z), "length": length, "width": width, "height": height}
+
+
+def box_about(scene: Scene) -> dict[str, Any]:
+    """Return a box about what is visible, where the usual one would be far too small or too large.
+
+    It stands where that stands. Objects on both sides of the plane y = 0, as cars are, have it in
+    the middle: it is the centre plane.
+
+    Parameters
+    ----------
+    scene : Scene
+        What other objects show.
+
+    Returns
+    -------
+    dict
+        Fields of `SymmetryState` with their values; empty where the usual box is as good.
+    """
+    bounds = scene.of_kinds(Shaded, Lines).bounds()
+    if not np.isfinite(bounds).all():
+        return {}
+    middle, span = bounds.mean(axis=0), np.ptp(bounds, axis=0)
+    largest, usual = float(span.max()), SymmetryState().length
+    if usual / UNLIKE <= largest <= usual * UNLIKE or largest == 0.0:
+        return {}
+    if bounds[0, 1] < 0.0 < bounds[1, 1]:
+        middle[1], span[1] = 0.0, 2.0 * float(np.abs(bounds[:, 1]).max())
+    wanted = np.maximum(ROOM * span, LEAST_SHARE * largest)
+    edges = np.clip([float(f"{v:.{FIGURES}g}") for v in wanted], *SIZE_LIMITS)
+    length, width, height = edges.tolist()
+    middle[2] = bounds[0, 2] + 0.5 * height
+    x, y, z = (float(f"{v:.{FIGURES + 1}g}") + 0.0 for v in np.clip(middle, -FARTHEST, FARTHEST))
     return {"centre": (x, y, z), "length": length, "width": width, "height": height}
 
 

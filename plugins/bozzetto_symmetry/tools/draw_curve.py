@@ -27,7 +27,7 @@ from bozzetto_symmetry.view.box import segments
 from bozzetto_symmetry.view.drawing_plane import PLANE_TOOL
 from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.live_preview import GrowingCurve
-from bozzetto_symmetry.view.magnets import caught_by, guide_layer, magnet_layer
+from bozzetto_symmetry.view.magnets import caught_by, guide_layer, magnet_layer, tangent_layer
 
 LIVE_WIDTH: Final = 2.5
 """Width of a curve that grows, px."""
@@ -122,6 +122,8 @@ class GrowingPreview(Preview[SymmetryState]):
             return Scene()
         stroke = gesture.strokes[-1]
         held = self._magnets(gesture.camera, stroke.points[[0, -1]])
+        if self._places is not None:
+            held = (*held, *tangent_layer(stroke, self._places, self.context.pen.tolerance))
         if self.state.snapping and self.state.lay == "space":
             held = (*held, *guide_layer(self.state, stroke))
         return Scene(held) + self._grown(gesture)

@@ -12,9 +12,10 @@ from bozzetto.ink import Stroke
 from bozzetto.scene import Item, Layer, Lines, Points
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
-from bozzetto_symmetry.model.perspective import toward_vanishing
+from bozzetto_symmetry.model.perspective import pixel_size, toward_vanishing
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.drawn_snaps import axis_drawn
+from bozzetto_symmetry.operations.snap_candidates import SMOOTH
 from bozzetto_symmetry.operations.snap_targets import Place, Targets, nearest_target
 
 POINT_SIZE, SEGMENT_SIZE, OPACITY = 13.0, 9.0, 0.6
@@ -26,6 +27,12 @@ REACH: Final = 2.0
 GUIDE_WIDTH, GUIDE_OPACITY, BEYOND = 1.2, 0.7, 0.35
 """Width, px, and opacity of the line along an axis, and how far it goes on beyond a stroke, as a
 share of that."""
+
+LEAVING: Final = 16.0
+"""Length of a stroke from its end, px, that tells the direction in which it leaves it."""
+
+TANGENT: Final = 3.0
+"""Half the length of the line along a known direction, in such lengths."""
 
 
 def caught_by(pixel: Array, camera: Camera, known: Targets, tolerance: float) -> Place | None:
@@ -49,6 +56,52 @@ def magnet_layer(places: Iterable[Place | None]) -> tuple[Layer, ...]:
         for k in range(len(found))
     )
     return (Layer("magnets", dots),)
+
+
+def tangent_layer(stroke: Stroke, known: Targets, tolerance: float) -> tuple[Layer, ...]:
+    """Return a line at each end of a stroke that goes on smoothly from a known end; else nothing.
+
+    The curve takes that direction when the pen is lifted (`snap_candidates.snap_of`).
+
+    Parameters
+    ----------
+    stroke : Stroke
+        So far, px.
+    known : Targets
+        With the directions in which curves go on at their ends, mm.
+    tolerance : float
+        Of the pen, px.
+    """
+    has = np.flatnonzero(known.tangents.any(axis=1))
+    if not len(has) or len(stroke.points) < 2:
+        return ()
+    camera = stroke.camera
+    seen = camera.project(known.points[has])[0]
+    items = []
+    for order in (1, -1):
+        path = stroke.points[::order]
+        away = np.linalg.norm(seen - path[0], axis=1)
+        near = int(np.argmin(np.where(np.isfinite(away), away, np.inf)))
+        if not away[near] <= REACH * tolerance:
+            continue
+        begun = np.flatnonzero(np.linalg.norm(path - path[0], axis=1) >= LEAVING)
+        if not len(begun):
+            continue
+        place, way = known.points[has[near]], known.tangents[has[near]]
+        step = LEAVING * float(pixel_size(camera, place)[0])
+        ends = place + np.outer((-1.0, 1.0), step * way)
+        shown = np.diff(camera.project(ends)[0], axis=0)[0]
+        left = path[begun[0]] - path[0]
+        across = float(np.linalg.norm(shown) * np.linalg.norm(left))
+        if across > 0.0 and abs(float(shown @ left)) >= SMOOTH * across:
+            line = place + np.outer((-1.0, 1.0), TANGENT * step * way)
+            items.append(
+                Lines(
+                    line.astype(np.float32), color="accent", width=GUIDE_WIDTH,
+                    opacity=GUIDE_OPACITY, hidden="show",
+                )
+            )  # fmt: skip
+    return (Layer("tangents", tuple(items)),) if items else ()
 
 
 def guide_layer(state: SymmetryState, stroke: Stroke) -> tuple[Layer, ...]:

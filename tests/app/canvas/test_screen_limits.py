@@ -179,7 +179,7 @@ def test_nobody_overrides_event():
 
 
 CHILD = """
-import sys
+import os, sys
 from PySide6.QtCore import QPoint, QPointF, QRect, QTimer, Qt
 from PySide6.QtTest import QTest
 from bozzetto.scene import LIGHT
@@ -198,7 +198,8 @@ app.postEvent(canvas, __import__("PySide6.QtGui").QtGui.QMouseEvent(
     Qt.MouseButton.LeftButton, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier))
 QTimer.singleShot(200, app.quit)
 app.exec()
-print("survived")
+print("survived", flush=True)
+os._exit(0)  # what is torn down at the end of a script is not asked
 """
 
 

@@ -751,6 +751,23 @@ def test_a_turntable_is_written_and_never_over_pictures_that_are_there(
     assert session.drawing.document is before
 
 
+def test_a_turntable_begins_with_the_sketch_where_there_is_one(make_session, settle, tmp_path):
+    session = make_session()
+    (tmp_path / "a.obj").write_text(CUBE)
+    session.files.exchange.import_file(tmp_path / "a.obj")
+    settle(session)
+    session.files.exchange.films.turn(tmp_path / "none.png", 0.3, from_sketch=True)
+    settle(session)
+    (said,) = words(session, "error")
+    assert "no sketch" in said
+    assert not list(tmp_path.glob("none-*.png"))
+    session.files.exchange.import_file(boat(session, tmp_path))
+    settle(session)
+    session.files.exchange.films.turn(tmp_path / "turn.png", 0.3, from_sketch=True)
+    settle(session)
+    assert len(list(tmp_path.glob("turn-*.png"))) > 4
+
+
 def boat(session, tmp_path, **facts):
     """Write the drawing of the boat with other facts."""
     (sample,) = session.registry.info("bozzetto.symmetry").samples

@@ -11,8 +11,15 @@ import pytest
 from PIL import Image
 
 from bozzetto.errors import UserError
+from bozzetto.ink import Stroke
 from bozzetto.scene import LIGHT, Layer, Scene, Shaded
-from bozzetto.scene.turntable import MOST_PICTURES, turned, turned_pictures
+from bozzetto.scene import Image as Picture
+from bozzetto.scene.turntable import (
+    MOST_PICTURES,
+    pictures_from_sketch,
+    turned,
+    turned_pictures,
+)
 from bozzetto.view import Camera
 from tests.core.scene.shapes import box
 
@@ -131,3 +138,95 @@ def test_where_the_program_fails_its_last_words_are_told(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
     with pytest.raises(UserError, match="no such thing"):
         moving(tmp_path / "a.mp4", 2, 1.0)
+
+
+# -- from the sketch ------------------------------------------------------------------------------
+
+VIEW = Camera(eye=(120.0, -480.0, 90.0), viewport=(1200.0, 900.0))
+ABOVE = Camera(eye=(0.0, -1.0, 500.0), viewport=(1200.0, 900.0))
+
+
+def stroke(begin, end, camera=VIEW):
+    """A straight stroke of fifty samples, px."""
+    places = np.linspace(begin, end, 50)
+    return Stroke(places[:, 0], places[:, 1], camera)
+
+
+LOW, HIGH = stroke((300, 600), (900, 600)), stroke((300, 300), (900, 300))
+
+
+def film_of(strokes, camera=VIEW, scene=None, count=8, lead=10):
+    return list(
+        pictures_from_sketch(
+            scene_of() if scene is None else scene, strokes, camera, count, lead, size=SIZE
+        )
+    )
+
+
+def test_ink_comes_in_its_order_and_never_goes_while_it_is_drawn():
+    pictures = [inked(one) for one in film_of((LOW, HIGH))[:6]]
+    amount = [int(one.sum()) for one in pictures]
+    assert amount == sorted(amount)
+    assert amount[0] > 0
+    for later, earlier in zip(pictures[1:], pictures, strict=False):
+        assert not (earlier & ~later).any()
+    below = pictures[2]
+    assert below[:45].sum() == 0, "the stroke that was drawn last is not there yet"
+    assert pictures[-1][:45].any()
+
+
+def test_the_shape_takes_the_place_of_its_ink_in_the_same_view():
+    """Where ink was drawn around a box there is the box, and the film has all of its pictures."""
+    from bozzetto.scene import render
+
+    whole = film_of((LOW,), lead=20)
+    assert len(whole) == 28
+    seen = VIEW.with_viewport(*map(float, SIZE))
+    still = inked(render(scene_of(), seen, LIGHT, size=SIZE))
+    first = inked(whole[20])
+    assert (still != first).mean() < 0.01
+    shares = [np.abs(one.astype(int) - whole[20]).mean() for one in whole[12:20]]
+    assert shares == sorted(shares, reverse=True)
+
+
+def test_all_that_turns_comes_into_the_picture():
+    near = Camera(eye=(60.0, -140.0, 20.0), viewport=(1200.0, 900.0))
+    whole = film_of((stroke((300, 600), (900, 600), near),), near)
+    for pixels in whole[10 + 2 :]:
+        seen = inked(pixels)
+        assert seen.any()
+        assert not np.concatenate([seen[0], seen[-1], seen[:, 0], seen[:, -1]]).any()
+
+
+def test_what_was_drawn_from_above_is_seen_from_the_side_when_it_turns():
+    whole = film_of((stroke((300, 600), (900, 600), ABOVE),), None)
+    top, side = inked(whole[10]), inked(whole[10 + 4])
+    assert top.any(axis=1).sum() < 0.6 * side.any(axis=1).sum(), "30 mm high, and 10 mm deep"
+
+
+def test_the_view_is_the_persons_own_if_something_was_drawn_there_or_else_the_fullest():
+    other = Camera(eye=(-400.0, -300.0, 200.0), viewport=(1200.0, 900.0))
+    strokes = (LOW, stroke((300, 300), (900, 300), other), stroke((300, 500), (900, 500), other))
+    own, fullest = film_of(strokes, VIEW), film_of(strokes, None)
+    np.testing.assert_array_equal(own[5], film_of((LOW,), VIEW)[5])
+    np.testing.assert_array_equal(fullest[5], film_of(strokes[1:], None)[5])
+    np.testing.assert_array_equal(fullest[5], film_of(strokes, ABOVE)[5])
+
+
+def test_a_picture_is_a_sketch_too_and_goes():
+    picture = Picture(
+        np.full((4, 4, 4), (200, 30, 30, 255), np.uint8),
+        (-100.0, 0.0, 80.0), (200.0, 0.0, 0.0), (0.0, 0.0, -160.0),
+    )  # fmt: skip
+    scene = scene_of() + Scene((Layer("sketch", (picture,)),))
+    whole = film_of((), scene=scene)
+    reddish = [(one[..., 0].astype(int) - one[..., 1] > 60).sum() for one in whole]
+    assert reddish[0] > 1000
+    assert not any(reddish[10:])
+
+
+def test_without_a_sketch_it_says_so():
+    with pytest.raises(UserError, match="no sketch"):
+        film_of(())
+    with pytest.raises(UserError, match="pictures"):
+        film_of((LOW,), lead=1)

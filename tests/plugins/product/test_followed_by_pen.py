@@ -16,6 +16,7 @@ from bozzetto.testing import Pen, Shell
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.rough_shapes import FollowedShape
+from tests.plugins.polyhedron.drawn_bodies import VIEW, strokes_of
 from tests.plugins.product.pen_strokes import FRONT, draw_along, straight
 
 PEN = Pen(tremor=0.3, seed=2026).but(camera=FRONT)
@@ -31,6 +32,9 @@ ASIDE = (0.0, 0.0, 25.0)
 
 FELT = 1.5
 """Distance from the ink, px, that no eye sees."""
+
+ROUNDED = 9.0
+"""Distance, px, by which seven control points round the corners of a drawn quadrangle."""
 
 
 @pytest.fixture
@@ -156,6 +160,45 @@ def test_the_first_curve_on_another_object_makes_the_product_follow_it(tmp_path:
     assert made.undo()
     assert made.undo()
     assert made.model.followed == ()
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_first_curve_on_a_drawn_box_lies_under_its_ink(tmp_path: Path, axis: int) -> None:
+    """A box is handed over with as many triangles as it is shown with, in another order."""
+    made = Shell(Registry(), tmp_path)
+    made.open("bozzetto.polyhedron")
+    made.camera = VIEW
+    half = np.array((60.0, 40.0, 30.0))
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    ends = list(itertools.combinations(range(8), 2))
+    edges = [pair for pair in ends if np.abs(np.subtract(*signs[list(pair)])).sum() == 2.0]
+    middle = np.array((0.0, 0.0, 40.0))
+    for stroke in strokes_of(middle + half * signs, np.array(edges)):
+        made.draw(stroke)
+    made.solve()
+    made.open("bozzetto.product")
+    ring = np.zeros((5, 3))
+    ring[:, axis] = (1.0, -1.0, 1.0)[axis]  # the faces that are seen
+    for other, row in zip(
+        [k for k in range(3) if k != axis], np.array(((-1, 1, 1, -1, -1), (-1, -1, 1, 1, -1))),
+        strict=True,
+    ):  # fmt: skip
+        ring[:, other] = 0.6 * row
+    drawn = VIEW.project(middle + half * ring)[0]
+    pen = PEN.but(camera=VIEW)
+    made.draw(pen.along([(float(x), float(y)) for x, y in densified(drawn)]), tool="draw")
+    assert made.model.followed
+    (curve,) = made.solve().curves
+    seen = VIEW.project(curve.spline.sampled(200))[0]
+    assert distances_to_polyline(seen, drawn).max() < ROUNDED
+    assert distances_to_polyline(densified(drawn), seen).max() < 2.0 * ROUNDED
+
+
+def densified(line: np.ndarray) -> np.ndarray:
+    """Return a polyline with eight places on each side."""
+    share = np.linspace(0.0, 1.0, 8, endpoint=False)[:, None]
+    sides = [a + share * (b - a) for a, b in itertools.pairwise(line)]
+    return np.vstack((*sides, line[-1:]))
 
 
 def test_a_curve_beside_all_objects_follows_none(tmp_path: Path) -> None:

@@ -101,6 +101,8 @@ class ParametersPanel(PanelScroll):
         session.drawing.models_changed.connect(self._value_dragged)
         session.solver.report_changed.connect(self._show_report)
         session.pictures.placing.changed.connect(self._show_underlay)
+        session.toolbox.tool_changed.connect(self.refresh)
+        session.toolbox.modeler_changed.connect(self.refresh)
         self._show_underlay()
         self.refresh()
         self._show_report()
@@ -112,6 +114,7 @@ class ParametersPanel(PanelScroll):
 
     def focus_parameter(self, name: str) -> None:
         """Bring a parameter, of the model or of the chosen part, into sight and reach."""
+        self._take_tool_of(name)
         while not self.is_ready:
             self._make()
         row = self.form.rows.get(("", name)) or self.form.rows.get(("part", name))
@@ -125,6 +128,24 @@ class ParametersPanel(PanelScroll):
         self.ensureWidgetVisible(row)
         row.words.buddy().setFocus(Qt.FocusReason.ShortcutFocusReason)
 
+    def _take_tool_of(self, name: str) -> None:
+        """Take a tool for which a parameter is, where another one is in the hand."""
+        session = self._session
+        for field, _ in (*session.objects.parameters, *session.parts.parameters):
+            tools = field.parameter.tools
+            if field.name == name and tools and session.toolbox.tool not in tools:
+                session.toolbox.take_tool(tools[0])
+
+    def _in_hand(self, found: Iterable[tuple[Field, Any]]) -> tuple[tuple[Field, Any], ...]:
+        """Return parameters without those that are for other tools than the one in the hand."""
+        toolbox, model = self._session.toolbox, self._session.selection.model
+        tool = toolbox.tool if model is not None and toolbox.modeler == model.modeler else ""
+        return tuple(
+            (field, value)
+            for field, value in found
+            if not field.parameter.tools or tool in field.parameter.tools
+        )
+
     def refresh(self) -> None:
         """Show the values of the selected model and part.
 
@@ -135,8 +156,8 @@ class ParametersPanel(PanelScroll):
 
         session = self._session
         own, inner, part = (
-            session.objects.parameters,
-            session.parts.parameters,
+            self._in_hand(session.objects.parameters),
+            self._in_hand(session.parts.parameters),
             session.parts.chosen,
         )
         chosen = (session.selection.id, "" if part is None else part.id)
@@ -290,9 +311,9 @@ class ParametersPanel(PanelScroll):
         column = QVBoxLayout(form)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
-        part, inner = session.parts.chosen, session.parts.parameters
+        part, inner = session.parts.chosen, self._in_hand(session.parts.parameters)
         change = session.objects.set_parameter
-        yield from form.fill(column, "", session.objects.parameters, change)
+        yield from form.fill(column, "", self._in_hand(session.objects.parameters), change)
         if part is not None and inner:
             below = QWidget()
             rows = QVBoxLayout(below)

@@ -174,6 +174,39 @@ def test_the_magnet_is_shown_on_the_sheet() -> None:
     assert "magnets" not in layers(SymmetryState(snapping=False), 5.0)
 
 
+@pytest.mark.parametrize("degrees", [-60.0, -20.0, -4.0, 0.0, 4.0, 20.0, 60.0])
+@pytest.mark.parametrize("last", [False, True])
+def test_a_direction_that_the_curve_will_take_is_shown(degrees: float, last: bool) -> None:
+    """A line stands where a stroke leaves the end of another curve as that goes on, either way."""
+    first = bow((-80.0, 20.0, 0.0), (0.0, 30.0, 20.0), (0.0, 0.0, 10.0))
+    state = drawn(SymmetryState(), first, noise=0.0)
+    assert state.chosen is not None
+    curve = trace_of(state.chosen, state).curve
+    assert curve is not None
+    spline = curve.curves()[0]
+    end = state.plane.placement.points(spline.value(spline.range[1:]))
+    before = state.plane.placement.points(spline.value([0.98 * spline.range[1]]))
+    begun, seen = VIEW.project(before)[0][0], VIEW.project(end)[0][0]
+    way = (seen - begun) / np.linalg.norm(seen - begun)
+    turn = np.deg2rad(degrees)
+    way = np.array(((np.cos(turn), -np.sin(turn)), (np.sin(turn), np.cos(turn)))) @ way
+    pixels = seen + np.linspace(2.0, 60.0, 30)[:, None] * way
+    pixels = pixels[::-1] if last else pixels
+
+    def layers(of: SymmetryState) -> dict[str, s.Array]:
+        stroke = Stroke(pixels[:, 0], pixels[:, 1], VIEW)
+        shown = preview_of(DrawCurve(), of, Ink((stroke,)), CONTEXT)
+        return {layer.name: layer.points for layer in shown.layers}
+
+    shown = layers(state)
+    assert ("tangents" in shown) == (abs(degrees) < 12.0)
+    assert "tangents" not in layers(replace(state, snapping=False))
+    if "tangents" in shown:
+        line = VIEW.project(shown["tangents"])[0]
+        assert s.distances(seen[None], line).max() < 1.0
+        assert np.linalg.norm(np.diff(line, axis=0)) > 40.0
+
+
 def test_catches_of_a_damaged_file_change_nothing() -> None:
     state = drawn(SymmetryState(snapping=False), ARCH)
     assert state.chosen is not None
