@@ -479,8 +479,8 @@ class JointFit:
         local, pull = back @ form @ ways, (back @ slope[..., None])[..., 0]
         columns, whole = self._columns, count + 1
         at = columns[:, :, None] * whole + columns[:, None]
-        every: Array = np.bincount(at.ravel(), local.ravel(), whole * whole)
-        pulls: Array = np.bincount(columns.ravel(), pull.ravel(), whole)
+        every: Array = np.asarray(np.bincount(at.ravel(), local.ravel(), whole**2), float)
+        pulls: Array = np.asarray(np.bincount(columns.ravel(), pull.ravel(), whole), float)
         columns, local, pull = self._node_pulls(here)
         at = columns[:, :, None] * whole + columns[:, None]
         every = every + np.bincount(at.ravel(), local.ravel(), whole * whole)

@@ -27,7 +27,7 @@ class JoinLines(Tool[CarState]):
     title = "Join lines"
     icon = "icons/join.svg"
     hint = "Touch a node: its line gets sharp or smooth. Touch an edge: its line bends evenly."
-    gesture = "tap"
+    gesture = "drag"
 
     @override
     def next_step(self, state: CarState) -> NextStep:

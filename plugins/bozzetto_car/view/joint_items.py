@@ -64,10 +64,10 @@ def _items(body: Body, flowing: tuple[str, ...]) -> Iterator[Item]:
         names = {template.edge_names[edge] for edge in own}
         if names.intersection(flowing):
             edges = sorted(own)
-            points = body.network.control_points[edges]
-            both = np.concatenate((points, points * MIRROR))
+            curves = body.network.control_points[edges]
+            both = np.concatenate((curves, curves * MIRROR))
             yield network_lines(both, "second", LINE_WIDTH, hidden="show")
-            middle = points[len(points) // 2]
+            middle = curves[len(curves) // 2]
             at = (middle[0] + 3.0 * middle[1] + 3.0 * middle[2] + middle[3]) / 8.0
             yield Label(triple(at), "G2", color="second")
 
