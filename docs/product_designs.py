@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from product_hand import Body, Hand
+from product_head import FILE, DrawnHead, head_record
 from product_lamp import lamp as lamp
 from product_sandal import sandal as sandal
 from product_shaver import shaver as shaver
@@ -34,11 +35,10 @@ def over(body: Body, places: Array, *, up: float = 1.0) -> Array:
     """Places (n, 2) in plan, dropped on a body from above, or from below (-1); (n, 3), mm."""
     from bozzetto.scene import Layer, Scene, Shaded, cast_rays
     from bozzetto.view import Rays
-    from bozzetto_product.rough_shapes.shapes import rough_mesh
 
     origins = np.column_stack((places, np.full(len(places), 1000.0 * up)))
     ways = np.tile((0.0, 0.0, -up), (len(places), 1))
-    scene = Scene((Layer("body", (Shaded(rough_mesh(body.shape)),)),))
+    scene = Scene((Layer("body", (Shaded(body.mesh),)),))
     hits = cast_rays(scene, Rays(origins, ways))
     return hits.points[hits.hit]
 
@@ -169,11 +169,11 @@ def remote() -> Hand:
 
 
 def helmet() -> Hand:
-    """A bicycle helmet on a head: a brim, ridges from brow to neck, vents along them."""
-    head = Body(
-        RoughShape(kind="head", length=205.0, width=165.0, height=230.0, centre=(0, 0, 115.0))
-    )
+    """A bicycle helmet on a drawn head: a brim, ridges from brow to neck, vents along them."""
+    head = DrawnHead()
     hand = Hand("helmet", [head], settings={"mirror": True, "controls": 10})
+    hand.facts["on"] = {"drawing": {"file": FILE}}
+    hand.beside[FILE] = head_record()
     side = hand.view(-90.0, 0.0)
     brow, neck = ring_at(head, 176.0), ring_at(head, 126.0)
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bozzetto.arrays import Array
+    from bozzetto.geometry import Mesh
 
 SHEET = (1400, 900)
 FOV = 24.0
@@ -55,12 +56,18 @@ CURVE_MISS = 7.0
 class Body:
     """A rough shape whose surface is known by two numbers: ring, and share of a turn."""
 
-    shape: RoughShape
+    shape: RoughShape | None
     grid: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        vertices = rough_mesh(self.shape).vertices.astype(float)
+        vertices = self.mesh.vertices.astype(float)
         self.grid = vertices[1:-1].reshape(-1, 64, 3)
+
+    @property
+    def mesh(self) -> Mesh:
+        """Its surface."""
+        assert self.shape is not None
+        return rough_mesh(self.shape)
 
     def at(self, ring: Array | float, turn: Array | float) -> Array:
         """Places on the surface (n, 3), mm; turn 0 is the front (+x), 0.25 the left side (+y)."""
@@ -140,6 +147,7 @@ class Hand:
         self.steps: list[dict[str, Any]] = []
         self.meant: dict[str, Array] = {}
         self.facts: dict[str, Any] = {}
+        self.beside: dict[str, dict[str, Any]] = {}
         self.hidden: set[int] = set()
         self.corners = np.concatenate([body.corners for body in bodies])
         self.camera = self.view(-60.0, 25.0)
@@ -186,9 +194,9 @@ class Hand:
         self._gesture("modify", course, camera, strokes)
         self.meant[name] = course
 
-    def round(self, course: Array, camera: Camera, **facts: Any) -> None:
-        """Draw a closed round on a surface, and say what becomes of the area."""
-        self._gesture("detail", course, camera, 1)
+    def round(self, course: Array, camera: Camera, tool: str = "detail", **facts: Any) -> None:
+        """Draw a closed round in one stroke, and say what becomes of the area."""
+        self._gesture(tool, course, camera, 1)
         self.steps.append({"set": facts})
 
     def only(self, *bodies: Body | Board) -> None:
@@ -264,24 +272,34 @@ class Hand:
 
     def record(self) -> dict[str, Any]:
         """The ink file."""
+        shapes = [fact_of(body.shape) for body in self.bodies if body.shape is not None]
         return {
             "format": "bozzetto-ink/1",
             "modeler": "product",
             "canvas": {"width": SHEET[0], "height": SHEET[1]},
             "camera": _camera(self.camera),
             **self.facts,
-            "template": [fact_of(body.shape) for body in self.bodies],
+            **({"template": shapes} if shapes else {}),
             "strokes": self.strokes,
             "steps": self.steps,
         }
 
     def write(self, path: Path) -> Path:
-        """Write the ink file, one stroke and one step a line."""
-        text = json.dumps(self.record(), allow_nan=False)
-        text = re.sub(r'(\{"x": )', r"\n\1", text)
-        head, mark, steps = text.partition('"steps": [')
-        path.write_text(f"{head}{mark}\n{_rows(steps)}\n", "utf-8")
+        """Write the ink file, and those beside it that it names."""
+        for name, record in self.beside.items():
+            place = path.parent / name
+            place.parent.mkdir(exist_ok=True)
+            _write(record, place)
+        _write(self.record(), path)
         return path
+
+
+def _write(record: dict[str, Any], path: Path) -> None:
+    """Write an ink file, one stroke and one step a line."""
+    text = json.dumps(record, allow_nan=False)
+    text = re.sub(r'(\{"x": )', r"\n\1", text)
+    head, mark, steps = text.partition('"steps": [')
+    path.write_text(f"{head}{mark}\n{_rows(steps)}\n", "utf-8")
 
 
 def _rows(steps: str) -> str:

@@ -40,8 +40,11 @@ VIEWS = {
 """Where each product is seen best, and a second view: degrees round and above."""
 
 
-WORN = {"sandal": (226, 190, 166)}
-"""Products that are shown on the rough shape that they were drawn on, and its colour."""
+WORN = {"sandal": (226, 190, 166), "helmet": (214, 200, 186)}
+"""Products that are shown on what they were drawn on, and its colour."""
+
+WITHIN = 0.985
+"""Size of an object that was drawn on: surfaces between curves on it dip below it a little."""
 
 
 def gallery() -> None:
@@ -56,19 +59,26 @@ def gallery() -> None:
         model = bench.sources.from_drawing("bozzetto.product", read_drawing(path), {})
         painted, plain, lines = scenes_of(bench, model)
         if path.stem in WORN:
-            painted = Scene((*painted.layers, worn_layer(model.state, WORN[path.stem])))
+            painted = Scene((*painted.layers, worn_layer(bench, model, WORN[path.stem])))
         pictures_of(path.stem, painted, plain, lines)
     network_card()
 
 
-def worn_layer(state: ProductState, color: tuple[int, int, int]) -> Layer:
-    """The first rough shape of a product, as a body of a colour."""
+def worn_layer(bench: Workbench, model: Model, color: tuple[int, int, int]) -> Layer:
+    """The object that a product was drawn on, or its first rough shape, as a body of a colour."""
+    from bozzetto.plugin.job import Job
     from bozzetto.scene import Layer, Shaded
     from bozzetto_product.model.rough_shapes import RoughShape
     from bozzetto_product.rough_shapes.shapes import rough_mesh
 
-    shape = next(node for node in state.nodes if isinstance(node, RoughShape))
-    return Layer("worn", (Shaded(rough_mesh(shape), color=color),))
+    if not model.linked:
+        shape = next(node for node in model.state.nodes if isinstance(node, RoughShape))
+        return Layer("worn", (Shaded(rough_mesh(shape), color=color),))
+    (solid,) = bench.own_shapes(model.linked[0], Job()).solids
+    middle = solid.mesh.bounds.mean(axis=0)
+    vertices = middle + WITHIN * (solid.mesh.vertices - middle)
+    mesh = replace(solid.mesh, vertices=vertices.astype("float32"))
+    return Layer("worn", (Shaded(mesh, color=color),))
 
 
 def pictures_of(name: str, painted: Scene, plain: Scene, lines: Scene) -> None:

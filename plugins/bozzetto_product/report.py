@@ -105,7 +105,8 @@ def report_of(state: ProductState, result: ProductResult, job: Job) -> dict[str,
         ``"holes"`` (those round each hole), ``"vertices"``, ``"quality_min"`` and
         ``"quality_p5"`` (2 r / R of its triangles), ``"boundary_error_mm"``, ``"area_mm2"``,
         ``"g1_deg"`` and ``"g1_vertices_deg"``;
-        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``, ``"smooth"``,
+        ``"edges"``: for each edge between two surfaces ``"curve"``, ``"patches"``,
+        ``"crease"`` (0 to 1 as asked for, None where the network decides), ``"smooth"``,
         ``"angle_deg"``, the greatest anywhere on it, and ``"angle_vertices_deg"``, the greatest at
         vertices of the triangles, where alone files of triangles show it;
         ``"joints"``, ``"surfaces"``: how many;
@@ -199,10 +200,12 @@ def _shared_edges(
         (first, here), (second, there) = uses
         assert first.surface is not None
         assert second.surface is not None
+        crease = result.net.edges[edge].crease
         angle, shown = meeting_angles(first.surface, here, second.surface, there)
         yield {
             "curve": names[edge],
             "patches": [first.name, second.name],
+            "crease": None if np.isnan(crease) else crease,
             "smooth": first.is_smooth_at(here) and second.is_smooth_at(there),
             "angle_deg": angle,
             "angle_vertices_deg": shown,

@@ -189,6 +189,7 @@ class HandoverDialog(Page):
         self.separate_parts = self._toggle(
             tr("Handover", "Parts as separate objects"), "separate_parts"
         )
+        self.curves_alone = self._toggle(tr("Handover", "Curves alone"), "curves_alone")
         self.lay_flat = self._toggle(tr("Handover", "Lay flat for printing"), "lay_flat")
         drawings = [
             ("curves", tr("Handover", "Curves")),
@@ -244,6 +245,7 @@ class HandoverDialog(Page):
             levels=_is_on(self.levels),
             uvs=_is_on(self.uvs),
             separate_parts=_is_on(self.separate_parts),
+            curves_alone=_is_on(self.curves_alone),
         )
 
     @property
@@ -272,6 +274,7 @@ class HandoverDialog(Page):
             self.levels: "levels" in heeds,
             self.uvs: "uvs" in heeds,
             self.separate_parts: "separate_parts" in heeds,
+            self.curves_alone: "curves_alone" in heeds,
             self.lines: "lines" in heeds,
             self.hidden: "hidden" in heeds and self.lines.value != "curves",
         }
@@ -368,6 +371,7 @@ class HandoverDialog(Page):
             "levels": self.levels,
             "uvs": self.uvs,
             "separate_parts": self.separate_parts,
+            "curves_alone": self.curves_alone,
         }
         kept |= {key: "yes" if toggle.isChecked() else "" for key, toggle in toggles.items()}
         for key, value in kept.items():

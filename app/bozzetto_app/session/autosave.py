@@ -351,9 +351,15 @@ class Keeper(QObject):
         sheet.record.saved(saved, saved.document)
 
     def _let_go(self) -> None:
-        """Leave a drawing that is still on the sheet to be offered again: nobody has answered."""
-        if self._sheet.record.state is not State.LEFT:
-            self._set_aside(self._sheet)
+        """Leave a drawing that is still on the sheet to be offered again: nobody has answered.
+
+        So is one that was on its way there.
+        """
+        try:
+            if self._sheet.record.state is not State.LEFT:
+                self._set_aside(self._sheet)
+        finally:
+            self._store.close()
 
     def _set_aside(self, sheet: _OnSheet) -> None:
         """Leave a drawing to be offered again, with all that was not yet written of it."""

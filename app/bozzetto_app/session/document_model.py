@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from bozzetto.document.applied_ink import take
 from bozzetto.document.history import History
+from bozzetto.document.links import with_sources_added
 from bozzetto.document.model import Document, Model
 from bozzetto.document.waiting_ink import Waiting, WaitingStroke, strokes_of
 from bozzetto_app.i18n import tr
@@ -189,10 +190,12 @@ class DocumentModel(QObject):
         if only_chosen and not used:
             self.amend(self.document.with_model(model))
             return
+        there = self.document
         if is_new:
-            model = replace(model, name=self.document.unused_name(model.name))
-        if hidden:
-            document = self.document.with_model(model)
+            there = with_sources_added(there, model)
+            model = replace(model, name=there.unused_name(model.name))
+        if hidden or there is not self.document:
+            document = there.with_model(model)
             for other in self.document:
                 if other.id in hidden:
                     document = document.with_model(replace(other, visible=False))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from bozzetto.document.links import resolved
 from bozzetto.ink.steps import DragStep, DrawStep, Step
 from bozzetto.plugin.context import Context
 from bozzetto.workbench.part_edits import PartEdit
@@ -35,11 +36,11 @@ class StepReplay(PenReplay):
         self._model: Model | None = None
         self._runs = True
         bench, context = self.session.workbench, self._context()
-        name = self.drawing.name
 
         def work(job: Job) -> PartEdit:
             title = bench.registry.info(self._modeler).title
-            made = bench.create(self._modeler, context, name=name)
+            made = bench.sources.begun(self._modeler, self.drawing, context, job)
+            assert made is not None  # a drawing without steps is no replay of steps
             return PartEdit(made, tr("Replay", "New {title}", title=title))
 
         self._submit(work)
@@ -56,7 +57,12 @@ class StepReplay(PenReplay):
 
     def _context(self) -> Context:
         drawing = self.drawing
-        return Context(camera=drawing.camera, facts=drawing.facts, pictures=drawing.pictures)
+        return Context(
+            camera=drawing.camera,
+            facts=drawing.facts,
+            pictures=drawing.pictures,
+            drawings=drawing.drawings,
+        )
 
     def _next(self) -> None:
         """Show the ink of the next step, or take it at once where it has none."""
@@ -101,7 +107,7 @@ class StepReplay(PenReplay):
             session.drawing.apply_model(
                 label, model, is_new=before is None, only_chosen=only_chosen
             )
-            self._model = session.drawing.document.model(model.id)
+            self._model = resolved(session.drawing.document)[model.id]
             self._next()
 
         def failed(problem: BaseException) -> None:

@@ -29,6 +29,7 @@ from bozzetto.cli.output import (
 from bozzetto.errors import UserError
 
 if TYPE_CHECKING:
+    from bozzetto.document.model import Document, Model
     from bozzetto.workbench.workbench import Workbench
 
 MAX_PLACES = 3
@@ -97,7 +98,7 @@ def _build_one(
     options: argparse.Namespace,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Build one input, solved once; its report where one is wanted, and what was written of it."""
-    from bozzetto.document.model import Document
+    from bozzetto.document import edit
     from bozzetto.exchange.formats import find, readers
     from bozzetto.exchange.import_file import (
         is_mesh,
@@ -106,8 +107,11 @@ def _build_one(
         read_mesh_file,
         read_picture,
     )
+    from bozzetto.plugin.context import Context
     from bozzetto.plugin.job import Job
+    from bozzetto.workbench.export_document import links_of
 
+    there, on = _drawn_on(bench, options.on)
     picture = drawing = mesh = None
     underlays: tuple[Any, ...] = ()
     if source.suffix.lower() == ".bozz":
@@ -127,23 +131,33 @@ def _build_one(
         drawing = read_drawing(source, trusted=options.trust_file)
     warn(() if drawing is None else drawing.left_out)
     try:
+        if on and drawing is None:
+            raise UserError("--on takes ink to draw on an object. Give a drawing.")
         if picture is not None:
             model = bench.sources.from_picture(modeler_id, picture, values)
         elif mesh is not None:
             model = bench.sources.from_mesh_file(modeler_id, mesh, source.stem, values)
         else:
-            model = bench.sources.from_drawing(modeler_id, drawing, values)
+            assert drawing is not None
+            context = Context(camera=drawing.camera, scene=bench.scene(there, Job()))
+            model = bench.sources.from_drawing(modeler_id, drawing, values, context, on=on)
         warn(bench.parts.idle(model, values))
-        report: dict[str, Any] = bench.report(model, Job()) if options.report else {}
+        report: dict[str, Any] = {}
+        if options.report:
+            report = bench.report(model, Job()) | links_of(model)
         camera = None if drawing is None else drawing.camera
         if options.command_id:
             write_by_command(bench, model, options.command_id, targets[0])
             warn(caution.message for caution in bench.cautions(model, Job()))
             return report, {}
+        document = replace(there, camera=camera, underlays=(*there.underlays, *underlays))
+        document = edit.add_model(document, model).document
+        is_document = targets[0].suffix.lower() == ".bozz"
         written = write_outputs(
             bench,
-            Document((model,), camera=camera, underlays=underlays),
+            document,
             targets,
+            None if is_document or len(document) == 1 else [document.models[-1].name],
             view=options.view,
             refuse_baseless=not options.allow_template,
             handover=handover_of(options),
@@ -156,6 +170,22 @@ def _build_one(
     if not told:
         return report, {}
     return report, {"written": told[0] if len(targets) == 1 else told}
+
+
+def _drawn_on(bench: Workbench, told: str | None) -> tuple[Document, tuple[Model, ...]]:
+    """Return the document of ``--on``, and those of its objects that are drawn on."""
+    from bozzetto.document.model import Document
+    from bozzetto.workbench.export_document import chosen_models
+
+    if told is None:
+        return Document(), ()
+    whole = os.path.exists(told) or ":" not in told
+    path, _, name = (told, "", "") if whole else told.rpartition(":")
+    document = open_document(bench, Path(path))
+    models, _ = chosen_models(document, [name] if name else None)
+    if not models:
+        raise UserError(f"Nothing is visible in {path}. Name the object: {path}:NAME.")
+    return document, tuple(models)
 
 
 def _places(problem: UserError, drawing: Any) -> str:

@@ -32,6 +32,9 @@ def add_handover(command: argparse.ArgumentParser) -> None:
         help="each named part of an object as an object of its own, in GLB, OBJ and USD",
     )
     group.add_argument(
+        "--curves-alone", action="store_true", help="no surfaces, in STEP, IGES and 3DM"
+    )
+    group.add_argument(
         "--lay-flat", action="store_true", help="lay it on its steadiest face, for printing"
     )
     group.add_argument(
@@ -65,6 +68,7 @@ def handover_of(options: argparse.Namespace) -> Any:
         levels=options.lods,
         uvs=options.uvs,
         separate_parts=options.separate_parts,
+        curves_alone=options.curves_alone,
     )
 
 

@@ -153,6 +153,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="set a parameter; of one part with its name before it: “Part 2.blend=0”",
     )
+    build.add_argument(
+        "--on",
+        metavar="DOC.bozz[:OBJECT]",
+        help="draw on an object of a document, or on all that are visible, linked: it follows when "
+        "they change; a .bozz output then holds them, too",
+    )
     _add_trust(build)
     build.add_argument("--report", type=Path, metavar="R.json", help="write how good it is")
     build.add_argument("--view", metavar="NAME", help=VIEW_HELP)
@@ -377,6 +383,7 @@ SAMPLE_FORMATS = ("stl", "3mf", "glb", "step")
 
 def _samples(options: argparse.Namespace) -> int:
     """Build every modeler's sample drawings: a picture, a document and exports of each."""
+    from bozzetto.document import edit
     from bozzetto.document.model import Document
     from bozzetto.exchange.export import has_room
     from bozzetto.exchange.import_file import read_drawing
@@ -387,7 +394,8 @@ def _samples(options: argparse.Namespace) -> int:
     for info in bench.registry.modelers():
         for sample in info.samples:
             drawing = read_drawing(sample, trusted=True)  # it came with its plugin
-            document = Document((bench.sources.from_drawing(info.id, drawing, {}),))
+            model = bench.sources.from_drawing(info.id, drawing, {})
+            document = edit.add_model(Document(), model).document
             shapes = bench.shapes(document, Job())
             stem = options.output / f"{info.id.rpartition('.')[2]}-{drawing.name}"
             targets = [stem.with_name(f"{stem.name}.{ending}") for ending in SAMPLE_FORMATS]

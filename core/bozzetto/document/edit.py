@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from bozzetto.document.links import with_frozen, without_sources
+from bozzetto.document.links import with_frozen, with_sources_added, without_sources
 from bozzetto.document.model import Document, Model, NamedView, Underlay, new_id
 from bozzetto.errors import UserError
 from bozzetto.geometry.placement import Placement
@@ -36,7 +36,8 @@ class Edit(NamedTuple):
 
 
 def add_model(document: Document, model: Model, *, at: int | None = None) -> Edit:
-    """Add an object, under a name that no other has."""
+    """Add an object, under a name that no other has, and what it follows and brings along."""
+    document = with_sources_added(document, model)
     named = replace(model, name=document.unused_name(model.name))
     return Edit(document.with_model(named, at=at), f"Add “{named.name}”")
 

@@ -94,6 +94,19 @@ def resolved(document: Document) -> dict[str, Model]:
     return LinkedModels().resolved(document)
 
 
+def with_sources_added(document: Document, model: Model) -> Document:
+    """Return a document with what a new model follows and brings along; see `Model.linked`.
+
+    A source that is there stays as it is.
+    """
+    there = {other.id for other in document}
+    for source in model.linked:
+        if source.id not in there:
+            named = replace(source, name=document.unused_name(source.name))
+            document = with_sources_added(document, source).with_model(named)
+    return document
+
+
 def with_frozen(document: Document, model: Model, sources: Collection[str]) -> Model:
     """Return a model that follows some of its sources no longer and keeps them, as they are now.
 

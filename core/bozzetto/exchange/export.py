@@ -348,6 +348,8 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
     chosen, wanted, shapes = find(path, WRITERS), ready.handover, ready.placed
     if wanted.lines is not None and chosen.draws:
         return _drawing(ready, chosen, Path(path).stem, camera)
+    if wanted.curves_alone and "curves_alone" in chosen.heeds:
+        shapes = Shapes(curves=shapes.curves)
     _check(shapes, chosen)
     parts, left_out = _readably_named(with_place(shapes, chosen)), parts_left_out(shapes, chosen)
     if chosen.flat:
@@ -469,6 +471,8 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
     if wanted.separate_parts and "separate_parts" not in chosen.heeds:
         found.append(f"{chosen.short} files hold objects whole. GLB, USD and OBJ part them.")
+    if wanted.curves_alone and "curves" not in chosen.holds:
+        found.append(f"{chosen.short} files hold no curves, so that the surfaces are in it.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:
         skins = [part.skin for part in ready.placed.meshes() if part.skin is not None]
         if any(len(skin.clips) > 1 for skin in skins):

@@ -98,7 +98,8 @@ class Format:
         of_drawings = ("lines", "hidden") if self.draws else ()
         kept = {"levels", "uvs"}.intersection(self.keeps)
         parts = ("separate_parts",) if "parts" in self.keeps else ()
-        always = ("scale", "lay_flat")
+        curves = ("curves_alone",) if {"surfaces", "curves"} <= set(self.holds) else ()
+        always = ("scale", "lay_flat", *curves)
         return frozenset((*always, *self.choices, *of_meshes, *of_drawings, *kept, *parts))
 
     @property

@@ -118,6 +118,8 @@ class Handover:
     separate_parts : bool
         Whether each named group of a mesh is an object of its own, where the format has objects
         in objects.
+    curves_alone : bool
+        Whether exact surfaces stay out of formats that hold curves as well.
 
     Raises
     ------
@@ -136,6 +138,7 @@ class Handover:
     levels: bool = False
     uvs: bool = False
     separate_parts: bool = False
+    curves_alone: bool = False
 
     def __post_init__(self) -> None:
         for value, known, word in (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, assert_never
 
@@ -33,7 +33,7 @@ from bozzetto.workbench.part_edits import PartEdit
 
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
-    from bozzetto.geometry.shapes import Curve
+    from bozzetto.geometry.shapes import Curve, Shapes
     from bozzetto.ink.drawing import Drawing
     from bozzetto.plugin.context import Context
     from bozzetto.view.camera import Camera
@@ -119,7 +119,13 @@ def _after(
                 return (*context.curves, *bench.curves.of((model,)))
 
             curves = LazyCurves(learnt)
-        return replace(context, camera=camera, scene=context.scene + own, curves=curves)
+        sources: Mapping[str, Shapes] = {}
+        if model.sources:
+            _ = own.layers  # what it follows is known when it is solved
+            sources = bench.given_sources(model)
+        return replace(
+            context, camera=camera, scene=context.scene + own, curves=curves, sources=sources
+        )
 
     def gesture(tool_id: str, made: Gesture) -> PartEdit:
         tool = bench.tool(model.modeler, tool_id)

@@ -54,12 +54,34 @@ class ModelSources:
         values: Mapping[str, object],
         context: Context | None = None,
         job: Job | None = None,
+        on: Iterable[Model] = (),
     ) -> Model:
         """Make a model of a whole drawing, as if it had been drawn by hand.
 
         Where the drawing says in which steps it was made, these are taken one by one. What it
         says beyond its strokes is in the context all the way (`Context.facts`), and so are the
         pictures and drawings that it names.
+
+        Parameters
+        ----------
+        modeler_id : str
+            The modeler of the new model.
+        drawing : Drawing
+            The strokes, and what its file says besides.
+        values : mapping of str to object
+            Parameters of the model when it is drawn.
+        context : Context, optional
+            The world around.
+        job : Job, optional
+            Says whether anybody still waits.
+        on : iterable of Model
+            What is drawn on, and followed from then on; by default what the drawing says
+            (`linked_drawings.models_drawn_on`). The new model comes with it (`Model.linked`).
+
+        Raises
+        ------
+        UserError
+            If the drawing makes no sense to the modeler, or this one cannot follow others.
         """
         from bozzetto.plugin.context import Context
         from bozzetto.plugin.job import Job
@@ -70,16 +92,48 @@ class ModelSources:
             pictures=drawing.pictures,
             drawings=drawing.drawings,
         )
-        if drawing.steps:
+        job = job or Job()
+        begun = self.begun(modeler_id, drawing, context, job, on)
+        if begun is not None:
+            from bozzetto.workbench.linked_drawings import with_steps
             from bozzetto.workbench.play_steps import run_steps
 
-            model = self._bench.create(modeler_id, context, name=drawing.name)
-            model = run_steps(self._bench, model, drawing, context, job)
+            if begun.linked:
+                drawing = with_steps(drawing, self._bench.tools(modeler_id))
+            model = run_steps(self._bench, begun, drawing, context, job)
         else:
-            state = self._read(modeler_id, drawing, context, job or Job())
+            state = self._read(modeler_id, drawing, context, job)
             name = drawing.name or self._bench.registry.info(modeler_id).title
             model = self._bench.new_model(modeler_id, state, name)
         return self._bench.set_parameters(model, values) if values else model
+
+    def begun(
+        self,
+        modeler_id: str,
+        drawing: Drawing,
+        context: Context,
+        job: Job,
+        on: Iterable[Model] = (),
+    ) -> Model | None:
+        """Return the model on which the first step of a drawing is taken.
+
+        None where its strokes are read all at once. See `from_drawing`.
+        """
+        from bozzetto.workbench.linked_drawings import SHAPES, models_drawn_on
+
+        row = tuple(on) or models_drawn_on(self._bench, drawing, job)
+        if row:
+            known = (*self._bench.registry.info(modeler_id).facts, *SHAPES)
+            beside = [key for key in known if key in drawing.facts]
+            if beside:
+                raise UserError(
+                    f"The drawing has “{beside[0]}”, and is drawn on another object. Leave one of "
+                    "them out."
+                )
+            model = self.following(modeler_id, row, job, drawing.name)
+            linked = tuple(source for source in row if source.id in model.sources)
+            return replace(model, linked=linked)
+        return self._bench.create(modeler_id, context, name=drawing.name) if drawing.steps else None
 
     def _read(self, modeler_id: str, drawing: Drawing, context: Context, job: Job) -> Any:
         """Return the state that a modeler makes of a drawing.

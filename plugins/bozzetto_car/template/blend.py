@@ -51,6 +51,7 @@ def blended(first: Template, second: Template, share: float) -> Template:
         id=f"{first.id}_{second.id}"[:40],
         positions=(1.0 - share) * first.positions + share * second.positions,
         tangents=_between(first.tangents, second.tangents, share),
+        creases=first.creases | second.creases,
     )
 
 

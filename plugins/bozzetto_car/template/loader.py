@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
@@ -36,7 +37,8 @@ from bozzetto_car.template.schema import (
     Vector,
     read_records,
 )
-from bozzetto_car.template.validation import check
+from bozzetto_car.template.smooth_edges import smooth_by_chains
+from bozzetto_car.template.validation import check, undeclared_creases
 
 Bundled = Literal[
     "sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv", "van",
@@ -113,8 +115,9 @@ def read_template(data: bytes) -> Template:
     FormatError
         If a key is wrong, or the network is not that of a car; the message says which or why.
     """
-    template = _Whole(read_records(data)).template()
-    faults = check(template)
+    records = read_records(data)
+    template = _Whole(records).template()
+    faults = _faults(records, template)
     if faults:
         first = " ".join(faults[:MOST_FAULTS])
         more = len(faults) - MOST_FAULTS
@@ -140,9 +143,16 @@ def faults_in(path: Path) -> list[str]:
         empty for a template that can be used.
     """
     try:
-        return check(_Whole(read_records(_content(path))).template())
+        records = read_records(_content(path))
+        return _faults(records, _Whole(records).template())
     except FormatError as problem:
         return [problem.message]
+
+
+def _faults(records: Records, template: Template) -> list[str]:
+    """Return what is wrong with a template, and with its creases if it has declared any."""
+    faults = check(template)
+    return faults or ([] if records.creases is None else undeclared_creases(template))
 
 
 def _content(path: Path) -> bytes:
@@ -198,7 +208,7 @@ class _Whole:
         right = [self.node[name] for name in self.names if name.endswith(".R")]
         left = [self.node[twin(self.names[number])] for number in right]
         patches = self._patches()
-        return Template(
+        template = Template(
             id=given.id,
             title=given.title,
             about=given.about,
@@ -221,6 +231,7 @@ class _Whole:
             insets=self._insets(patches),
             shut_lines=tuple(self._shut_lines()),
         )
+        return replace(template, creases=self._creases(template))
 
     def _number(self, name: str, place: str) -> int:
         """Return the index of a node of the right half or the centre."""
@@ -326,6 +337,29 @@ class _Whole:
             start, _, end = key.partition("-")
             edge = self._edge(self._number(start, place), self._number(end, place), place)
             yield max(edge, ~edge)
+
+    def _creases(self, template: Template) -> frozenset[int]:
+        """Return the creases of both halves; if none are declared, where lines do not run on.
+
+        Raises
+        ------
+        FormatError
+            If one is no edge between two patches.
+        """
+        inner = frozenset(range(len(template.edges))) - template.rim
+        if self.records.creases is None:
+            return inner - smooth_by_chains(template)
+        found = set()
+        for key in self.records.creases:
+            place = f"creases, {key[:40]}"
+            start, _, end = key.partition("-")
+            nodes = self._number(start, place), self._number(end, place)
+            for ends in (nodes, (self._image(nodes[0]), self._image(nodes[1]))):
+                edge = self._edge(*ends, place)
+                found.add(max(edge, ~edge))
+        if not found <= inner:
+            raise FormatError("creases: an edge at the lower rim has no crease. Leave it out.")
+        return frozenset(found)
 
     def _is_inner(self, patch: Patch, side: int, middle: set[int]) -> bool:
         return {patch.nodes[side], patch.nodes[(side + 1) % 4]} <= middle

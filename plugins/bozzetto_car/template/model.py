@@ -18,7 +18,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto.geometry import frozen
 from bozzetto.plugin import cached_property
 
@@ -196,6 +196,9 @@ class Template:
         Lamps and grilles of the right half.
     shut_lines : tuple of int
         Edges of the right half along which doors and lids end.
+    creases : frozenset of int
+        Character creases, of both halves: inner edges over which the surface may break. It is
+        smooth over all others.
     """
 
     id: str
@@ -217,6 +220,7 @@ class Template:
     pictures: Mapping[str, ViewHint]
     insets: tuple[Inset, ...] = ()
     shut_lines: tuple[int, ...] = ()
+    creases: frozenset[int] = frozenset()
 
     def __post_init__(self) -> None:
         for name, columns in (("positions", 3), ("pairs", 2), ("wheels", 2), ("edges", 2)):
@@ -296,6 +300,13 @@ class Template:
         """The edges of one patch: those along the sill."""
         numbers, counts = np.unique(np.maximum(self.sides, ~self.sides), return_counts=True)
         return frozenset(numbers[counts == 1].tolist())
+
+    @cached_property
+    def smooth_edges(self) -> Flags:
+        """Which edges the surface is smooth over, (m,): those of two patches that are no crease."""
+        flags = np.ones(len(self.edges), bool)
+        flags[[*self.rim, *self.creases]] = False
+        return flags
 
     @cached_property
     def mirrored_edges(self) -> Index:

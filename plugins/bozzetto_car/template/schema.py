@@ -103,6 +103,7 @@ class Records(msgspec.Struct, forbid_unknown_fields=True):
     glass: Annotated[list[Label], Meta(max_length=MOST_ITEMS)] = []
     insets: Annotated[dict[Label, InsetRecord], Meta(max_length=MOST_INSETS)] = {}
     shut_lines: Annotated[list[Text], Meta(max_length=MOST_ITEMS)] = []
+    creases: Annotated[list[Text], Meta(max_length=MOST_ITEMS)] | None = None
 
 
 _SECTIONS: Final[Mapping[str, tuple[Any, Any]]] = {

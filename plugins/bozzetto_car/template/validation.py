@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto.geometry.patches import SMOOTH, coons_nets, crease_angles
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network_validation import chain_faults, edge_faults, patch_faults
 from bozzetto_car.template.shape_constraints import Soundness
@@ -44,6 +45,24 @@ def check(template: Template) -> list[str]:
     faults += _rule_faults(template)
     faults += _marking_faults(template)
     return faults
+
+
+def undeclared_creases(template: Template) -> list[str]:
+    """Return a sentence for each edge over which the surface breaks although it is no crease.
+
+    Parameters
+    ----------
+    template : Template
+        A template in which `check` has found nothing.
+    """
+    nets = coons_nets(template.control_points, template.sides)
+    angles = crease_angles(nets, template.sides, len(template.edges))
+    return [
+        f"The surface breaks by {angles[edge]:.2g}° over the edge {template.edge_names[edge]}, "
+        "which is not declared in creases. Declare it, or let smooth chains cross it at both ends."
+        for edge in np.flatnonzero(template.smooth_edges & (angles > SMOOTH)).tolist()
+        if ".L" not in template.edge_names[edge]
+    ]
 
 
 def _node_faults(template: Template) -> Iterator[str]:

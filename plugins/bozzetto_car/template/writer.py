@@ -1,9 +1,11 @@
 """Write a car as a template of its own.
 
 The new template has the nodes and tangents of the car, and everything else from the template that
-the car came from: names, prompts, patches, chains. A solve leads a car up to its rules, and a
-template keeps its own with room to spare, so rules that the car has used up are eased. A node that
-has turned away from where it was seen best gets the nearest direction from which it is seen.
+the car came from: names, prompts, patches, chains, creases. Edges over which the car's surface
+breaks otherwise, because it was not kept smooth, become creases, too. A solve leads a car up to its
+rules, and a template keeps its own with room to spare, so rules that the car has used up are eased.
+A node that has turned away from where it was seen best gets the nearest direction from which it is
+seen.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
+from bozzetto.geometry.patches import SMOOTH, coons_nets, crease_angles
 from bozzetto_car.template.loader import read_template
 from bozzetto_car.template.model import AXES, Rule, Template, ViewHint
 from bozzetto_car.template.network import Network
@@ -84,6 +87,8 @@ def template_file(
     told["edges"] = {key: _tangents(network, key, right) for key in told["edges"]}
     if template.chains != read_template(source.encode()).chains:
         told["chains"] = _chains(template)
+    if "creases" in told:
+        told["creases"] += _broken(network, told["edges"], right)
     kept = (rule for rule in template.rules if rule.name not in without)
     told["soundness"] = {rule.name: _eased(rule, network.positions, right) for rule in kept}
     written = (json.dumps(told, indent=1, ensure_ascii=False) + "\n").encode()
@@ -132,6 +137,21 @@ def _chains(template: Template) -> dict[str, Any]:
             "smooth": [names[node] for node in nodes if node in chain.smooth],
         }
     return found
+
+
+def _broken(network: Network, keys: Collection[str], right: dict[str, int]) -> list[str]:
+    """Return the edges over which the surface of a car breaks although they were no creases."""
+    template = network.template
+    nets = coons_nets(network.control_points, template.sides)
+    angles = crease_angles(nets, template.sides, len(template.edges))
+    broken = template.smooth_edges & (angles > SMOOTH)
+
+    def edge(key: str) -> int:
+        start, end = (right[node] for node in key.split("-"))
+        signed = template.edge_between[start, end]
+        return max(signed, ~signed)
+
+    return [key for key in keys if broken[edge(key)]]
 
 
 def _seen(template: Template, number: int) -> dict[str, float]:

@@ -194,6 +194,11 @@ def _mirrored(state: ProductState, curve: Curve, context: Context) -> ProductSta
 
 def _filleted(state: ProductState, curve: Curve, context: Context) -> ProductState:
     joint, _, other = _partner(state, curve)
+    if len(joint.meetings) > 2:
+        raise UserError(
+            "More than two curves end at this corner. Touch it between those that are meant, with "
+            "the tool “Fillet”."
+        )
     return fillet(state, joint.id, curve.id, other.curve, state.rounding)[0]
 
 

@@ -126,4 +126,4 @@ def _with_edge(kind: EdgeKind, state: ProductState, context: Context) -> Product
     curve = state.chosen_of(Curve)
     if curve is None:
         raise UserError("No curve is chosen. Choose one in the list, or touch it.")
-    return state.with_node(replace(curve, edge=kind))
+    return state.with_node(replace(curve, edge=kind, stretches=()))

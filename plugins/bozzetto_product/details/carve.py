@@ -38,6 +38,9 @@ from bozzetto_product.details.shell import Owner, Shell
 from bozzetto_product.details.walls import with_walls
 from bozzetto_product.model.details import DetailKind
 
+OVER_CREASES: Final = ("cut", "split")
+"""Kinds of details that may lie over creases: they have no floor."""
+
 NUDGES: Final = ((0.0, 0.0), (0.61, 0.37), (-0.43, 0.71), (0.29, -0.83))
 """Ways to move an outline that goes through a corner of faces, in units of `NUDGE`."""
 
@@ -206,8 +209,13 @@ def _carved(
     number: int,
 ) -> Carved:
     first = _first_faces(shell, chart, rings, near)
-    courses = [course_of(shell, chart, r, f, 1.0) for r, f in zip(rings, first, strict=True)]
-    faces = region_faces(shell, chart, rings[0], [p.face for c in courses for p in c])
+    creased = form.kind in OVER_CREASES
+    courses = [
+        course_of(shell, chart, r, f, 1.0, creased=creased)
+        for r, f in zip(rings, first, strict=True)
+    ]
+    under = [p.face for c in courses for p in c]
+    faces = region_faces(shell, chart, rings[0], under, creased=creased)
     surfaces = tuple({id(s): s for s in (shell.faces[face].surface for face in faces)}.values())
     through = form.kind == "cut" and shell.is_closed
     plan = _planned(chart, tuple(rings), surfaces, form, thickness, shell.size, through)
@@ -217,7 +225,7 @@ def _carved(
     owner = Owner(shell.owners[first[0]].patch, number, made=True)
     far = [_far_course(shell, chart, ring, plan.offset) for ring in plan.far]
     edges = outline_edges(shell, chart, plan.rings, courses, plan.level, far)
-    cut = cut_shell(shell, edges, courses, far)
+    cut = cut_shell(shell, edges, courses, far, creased=creased)
     if plan.level is None:
         inside = cut.inside
         return Carved(_owned(cut.shell, inside, number) if form.kind == "split" else _opened(cut))
@@ -367,7 +375,7 @@ def _far_course(shell: Shell, chart: Chart, ring: Ring, offset: Offset) -> tuple
     below = [(depth, number) for depth, number in below if depth > 0.0]
     if not below:
         raise UserError(TURNED)
-    return course_of(shell, chart, ring, min(below)[1], -1.0)
+    return course_of(shell, chart, ring, min(below)[1], -1.0, creased=True)
 
 
 def _on_floor(level: Level, number: int, ring: Ring) -> Array:

@@ -23,6 +23,9 @@ APART: Final = 1e-7
 NEAR_END: Final = 1e-5
 """Share of an edge at its ends in which nothing crosses it: there is a corner."""
 
+NEAR_START: Final = 1e-6
+"""Share of the length of a ring from its start within which an edge is crossed at the start."""
+
 NEAR: Final = 1e-4
 """Distance in space, as share of the size, within which a crossing is on the face walked."""
 
@@ -83,8 +86,8 @@ LEAVES: Final = (
     "The outline leaves the surface. Draw it inside, or from border to border for a split."
 )
 CREASED: Final = (
-    "The outline crosses an edge that is a crease. Draw a detail on one smooth surface, or make "
-    "the edge smooth first."
+    "The outline crosses an edge that is a crease: only cuts and splits may. Draw it on one smooth "
+    "surface, or make the edge smooth first."
 )
 CROSSES: Final = "The outline crosses another detail. Move it, or delete the other one."
 TURNED: Final = (
@@ -97,7 +100,14 @@ CORNER: Final = "The outline goes through a corner of surfaces. Move it a little
 
 
 def course_of(
-    shell: Shell, chart: Chart, ring: Ring, first: int, outward: float, start: float = 0.0
+    shell: Shell,
+    chart: Chart,
+    ring: Ring,
+    first: int,
+    outward: float,
+    start: float = 0.0,
+    *,
+    creased: bool = False,
 ) -> tuple[Passage, ...]:
     """Return the faces that a ring walks over, in order.
 
@@ -115,13 +125,15 @@ def course_of(
         1 where faces look to the chart, −1 on a far side.
     start : float
         Where it begins: 0 where it is closed. An open one ends at a rim or a crease.
+    creased : bool
+        Whether a closed one may cross creases.
 
     Raises
     ------
     UserError
         If it leaves the surface, or crosses what cannot be crossed.
     MeetsCorner
-        If it goes through the end of an edge.
+        If it goes through the end of an edge, or begins on one.
     """
     row: list[Passage] = []
     face, t, entry = first, start, None
@@ -130,15 +142,25 @@ def course_of(
         row.append(Passage(face, t, ring.end if leave is None else leave.t, entry, leave))
         if leave is None:
             break
-        face, t, entry = _beyond(shell, face, leave, ring.closed), leave.t, leave
+        face, t, entry = _beyond(shell, face, leave, ring.closed, creased), leave.t, leave
         if face < 0:
             break
     if ring.closed and row[-1].face != row[0].face:
+        if _begins_on_edge(shell, chart, ring, row[0].face):
+            raise MeetsCorner
         raise UserError(TURNED)
     return tuple(row)
 
 
-def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool) -> int:
+def _begins_on_edge(shell: Shell, chart: Chart, ring: Ring, face: int) -> bool:
+    """Whether the start of a closed ring lies on an edge of the face under it."""
+    found = (
+        c for trim in shell.faces[face].trims for c in crossings_with(shell, chart, ring, trim)
+    )
+    return any(min(one.t, ring.end - one.t) <= NEAR_START * ring.end for one in found)
+
+
+def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool, creased: bool) -> int:
     """Return the face behind an edge; −1 where a curve from border to border may end there."""
     users = shell.users[crossing.edge]
     others = [(number, trim) for number, trim in users if number != face]
@@ -153,7 +175,7 @@ def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool) -> int:
     at = np.array([crossing.at])
     one = shell.faces[face].surface.normals(*own.curve.value(at).T)[0]
     two = shell.faces[number].surface.normals(*trim.curve.value(at).T)[0]
-    if float(one @ two) < CREASE:
+    if float(one @ two) < CREASE and not (closed and creased):
         if closed:
             raise UserError(CREASED)
         return -1

@@ -76,8 +76,13 @@ def faces_over(shell: Shell, chart: Chart, place: Array, outward: float) -> list
     return rows
 
 
-def region_faces(shell: Shell, chart: Chart, ring: Ring, first: Sequence[int]) -> tuple[int, ...]:
-    """Return faces that may lie under a region: those of its outline, and what joins smoothly."""
+def region_faces(
+    shell: Shell, chart: Chart, ring: Ring, first: Sequence[int], *, creased: bool = False
+) -> tuple[int, ...]:
+    """Return faces that may lie under a region: those of its outline, and what joins them.
+
+    Over creases only where that is said.
+    """
     low, high = ring.polyline.min(axis=0), ring.polyline.max(axis=0)
     found, waiting = set(first), list(first)
     while waiting:
@@ -88,7 +93,7 @@ def region_faces(shell: Shell, chart: Chart, ring: Ring, first: Sequence[int]) -
                     continue
                 net = chart.flat(shell.faces[other].surface.control_points.reshape(-1, 3))
                 apart = (net.max(axis=0) < low).any() or (net.min(axis=0) > high).any()
-                if apart or not _is_smooth(shell, number, trim, other, side):
+                if apart or not (creased or _is_smooth(shell, number, trim, other, side)):
                     continue
                 found.add(other)
                 waiting.append(other)
@@ -208,6 +213,7 @@ def cut_shell(
     far: Sequence[Sequence[Passage]],
     *,
     closed: bool = True,
+    creased: bool = False,
 ) -> CutShell:
     """Return the shell with its faces cut along outlines.
 
@@ -221,6 +227,8 @@ def cut_shell(
         The faces under the outlines, and on the far side of the body.
     closed : bool
         Whether the outlines are closed; else the smaller part of the patches is inside.
+    creased : bool
+        Whether creases may lie inside.
     """
     cuts: dict[int, list[float]] = {}
     for course in (*courses, *far):
@@ -247,7 +255,10 @@ def cut_shell(
         faces += row
         owners += [owner] * len(row)
     whole = Shell((*split.edges, *new), tuple(faces), tuple(owners))
-    inside = _inside(whole, set(tops), set(bottoms)) if closed else _lesser(whole, set(tops))
+    if closed:
+        inside = _inside(whole, set(tops), set(bottoms), creased=creased)
+    else:
+        inside = _lesser(whole, set(tops))
     return CutShell(whole, tops, bottoms, inside)
 
 
@@ -270,13 +281,13 @@ def _add_chords(
         chords.setdefault(passage.face, []).append(chord)
 
 
-def _inside(shell: Shell, tops: set[int], bottoms: set[int]) -> frozenset[int]:
+def _inside(shell: Shell, tops: set[int], bottoms: set[int], *, creased: bool) -> frozenset[int]:
     """Return faces on the left of outlines, as the chart sees them, and all between.
 
     Raises
     ------
     UserError
-        If inside and outside hang together, or a crease lies inside.
+        If inside and outside hang together, or a crease lies inside that may not.
     """
     found: set[int] = set()
     outside: set[int] = set()
@@ -285,7 +296,7 @@ def _inside(shell: Shell, tops: set[int], bottoms: set[int]) -> frozenset[int]:
             if trim.edge in tops or trim.edge in bottoms:
                 left = trim.forward == (trim.edge in tops)
                 (found if left else outside).add(number)
-    found = flooded(shell, tops | bottoms, found)
+    found = flooded(shell, tops | bottoms, found, creased=creased)
     if found & outside:
         raise UserError(TURNED)
     return frozenset(found)
@@ -327,7 +338,9 @@ def _area(face: Face) -> float:
     return 0.5 * float(np.linalg.norm(sum(crosses)))
 
 
-def flooded(shell: Shell, walls: set[int], first: Iterable[int] = ()) -> set[int]:
+def flooded(
+    shell: Shell, walls: set[int], first: Iterable[int] = (), *, creased: bool = False
+) -> set[int]:
     """Return faces that hang together with given ones, up to certain edges.
 
     Parameters
@@ -338,6 +351,8 @@ def flooded(shell: Shell, walls: set[int], first: Iterable[int] = ()) -> set[int
         Edges that are not crossed.
     first : iterable of int
         Where to begin; by default at the pieces of patches beside these edges.
+    creased : bool
+        Whether creases are crossed.
 
     Raises
     ------
@@ -356,7 +371,8 @@ def flooded(shell: Shell, walls: set[int], first: Iterable[int] = ()) -> set[int
             for other, side in shell.users[trim.edge]:
                 if other in found:
                     continue
-                if shell.owners[other].made or not _is_smooth(shell, number, trim, other, side):
+                smooth = creased or _is_smooth(shell, number, trim, other, side)
+                if shell.owners[other].made or not smooth:
                     raise UserError(CREASED)
                 found.add(other)
                 waiting.append(other)

@@ -30,6 +30,7 @@ from bozzetto_product.details.outline_places import (
     places_of_points,
     polygon_corners,
 )
+from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.model.details import Detail, DetailKind
 from bozzetto_product.model.emblems import LONGEST_TEXT, Emblem
 from bozzetto_product.model.state import ProductState
@@ -117,11 +118,7 @@ def _form(values: Mapping[str, Any], where: str, scale: float) -> Detail:
             )
     color = None
     if values.get("color") is not None:
-        row = a_list(values["color"], f"{where}.color", 3)
-        if len(row) != 3:
-            raise UserError(f"“{where}.color” is [red, green, blue].")
-        parts = [round(a_number(part, f"{where}.color", 0, 255)) for part in row]
-        color = (parts[0], parts[1], parts[2])
+        color = a_color(values["color"], f"{where}.color")
     return replace(
         usual,
         color=color,

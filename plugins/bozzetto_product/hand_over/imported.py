@@ -16,7 +16,7 @@ from bozzetto_product.hand_over.detail_file import with_details
 from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.flattening import flattened
 from bozzetto_product.hand_over.names import loop_names, piece_names
-from bozzetto_product.hand_over.network_file import FIT, Network, network_of
+from bozzetto_product.hand_over.network_file import FIT, Network, OfSurfaces, network_of
 from bozzetto_product.hand_over.point_fit import closed_spline_through, spline_through
 from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.hand_over.tangent_planes import with_common_tangents
@@ -61,7 +61,8 @@ def product_of_network(
     state = with_common_tangents(flattened(state, network.rounding), network.tolerance)
     if network.loops is None and not _has_flat_faces(state):
         state = with_patches_found(state)
-    state = _with_pressures(state, network)
+    state = _with_values(state, network.pressure, "pressure")
+    state = _with_values(state, network.paint, "paint")
     return replace(with_details(state, network.details, network.scale, drawings or {}), selected="")
 
 
@@ -166,25 +167,27 @@ def _closed_walks(net: Net, allowed: Mapping[int, int], count: int) -> Iterator[
                     stack.append(((*walk, (edge, forward)), there, passed | {there}))
 
 
-def _with_pressures(state: ProductState, network: Network) -> ProductState:
-    if not network.pressure:
+def _with_values(state: ProductState, values: OfSurfaces, title: str) -> ProductState:
+    """Return the state with the values that a file gives surfaces by the curves round them."""
+    if not values:
         return state
     net = net_of_state(state)
     curves = state.of_kind(Curve)
     names = piece_names(net, curves)
-    left = dict(network.pressure)
+    left = dict(values)
     nodes = list(state.nodes)
     for place, node in enumerate(nodes):
         if isinstance(node, Patch):
             for loop in loops_of_patch(net, node):
                 pieces = frozenset(loop_names(loop, names))
                 whole = frozenset(name.partition("/")[0] for name in pieces)
-                for key in (pieces, whole):
+                for key in (whole, pieces):
                     if key in left:
-                        nodes[place] = replace(node, pressure=left.pop(key))
+                        node = replace(node, **left.pop(key))
+            nodes[place] = node
     if left:
         row = " ".join(sorted(next(iter(left))))[:80]
-        raise UserError(f"“network.pressure”: no surface has exactly the curves {row}.")
+        raise UserError(f"“network.{title}”: no surface has exactly the curves {row}.")
     return replace(state, nodes=tuple(nodes))
 
 

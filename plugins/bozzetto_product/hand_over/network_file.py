@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, TypeAlias, get_args
 
 import numpy as np
 
@@ -19,7 +19,9 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
+from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.equal_curves import equal_curves
+from bozzetto_product.hand_over.names import piece_names
 from bozzetto_product.hand_over.network_joints import joined_state
 from bozzetto_product.hand_over.point_fit import (
     closed_spline_through,
@@ -27,10 +29,13 @@ from bozzetto_product.hand_over.point_fit import (
     spline_through,
 )
 from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
-from bozzetto_product.model.curves import Curve, EdgeKind
+from bozzetto_product.model.appearance import Finish
+from bozzetto_product.model.curve_stretch import with_stretch
+from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.solve.solver import net_of_state
 
-KEYS: Final = ("curves", "loops", "creases", "pressure", "details")
+KEYS: Final = ("curves", "loops", "creases", "pressure", "paint", "details")
 """The keys of a network."""
 
 UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
@@ -56,6 +61,10 @@ SEAM: Final = np.radians(25.0)
 """A curve that ends where it began, and turns there by more than this, has a corner there."""
 
 
+OfSurfaces: TypeAlias = Mapping[frozenset[str], Mapping[str, Any]]
+"""Values of surfaces by their parameters, by the names of the curves round each."""
+
+
 @dataclass(frozen=True)
 class Network:
     """A network as a file gives it.
@@ -66,8 +75,8 @@ class Network:
         Curves and joints; no surfaces yet.
     loops : tuple of tuple of str
         Names of the curves or pieces round each surface; None where they are to be found.
-    pressure : mapping of frozenset of str to float
-        By the names of the curves round a surface.
+    pressure, paint : mapping of frozenset of str to mapping of str to object
+        Values of surfaces, by the names of the curves round each.
     tolerance : float
         Greatest distance of a point of the file from its curve, mm.
     details : object
@@ -80,7 +89,8 @@ class Network:
 
     state: ProductState
     loops: tuple[tuple[str, ...], ...] | None
-    pressure: Mapping[frozenset[str], float]
+    pressure: OfSurfaces
+    paint: OfSurfaces
     tolerance: float
     details: object = ()
     scale: float = 1.0
@@ -106,7 +116,8 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         raise UserError(f"“unit” is one of {', '.join(UNITS)}.")
     rows = _rows(given.get("curves"), UNITS[unit])
     size = float(np.linalg.norm(np.ptp(np.vstack(list(rows.values())), axis=0)))
-    creases = _numbers(given.get("creases", {}), "creases", rows)
+    told = _numbers(given.get("creases", {}), "creases", rows)
+    creases = {name: number for name, number in told.items() if name in rows}
     rounding = UNITS[unit] * rounding_of(
         np.vstack(list(rows.values())) / UNITS[unit], size / UNITS[unit]
     )
@@ -119,6 +130,11 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     ]
     names = list(rows)
     again = {names[k]: names[first] for k, first in equal_curves(splines, tolerance).items()}
+    pieces = {
+        _first_name(name, "network.creases", again): number
+        for name, number in told.items()
+        if name not in rows
+    }
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
@@ -128,11 +144,13 @@ def network_of(facts: Mapping[str, Any]) -> Network:
         for number, (name, spline) in enumerate(kept, 1)
     )
     state = joined_state(curves, size, tolerance / FIT)
+    state = _with_creased_pieces(state, pieces)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows, again)
     return Network(
         state,
         loops,
-        _pressures(given.get("pressure", {}), rows, again),
+        _of_surfaces(given.get("pressure", {}), "pressure", rows, again, _pressure),
+        _of_surfaces(given.get("paint", {}), "paint", rows, again, _paint),
         tolerance,
         given.get("details", ()),
         UNITS[unit],
@@ -202,11 +220,35 @@ def _has_corner(ring: Array) -> bool:
     return bool(turn > max(SEAM, 1.5 * float(np.max(turns[[0, -1]]))))
 
 
+KINDS: Final[Mapping[float, EdgeKind]] = {0.0: "smooth", 1.0: "crease"}
+"""Kinds of edges by their crease."""
+
+
 def _creased(curve: Curve, crease: float | None) -> Curve:
     if crease is None:
         return curve
-    kinds: dict[float, EdgeKind] = {0.0: "smooth", 1.0: "crease"}
-    return replace(curve, edge=kinds.get(crease, "between"), crease=crease)
+    return replace(curve, edge=KINDS.get(crease, "between"), crease=crease)
+
+
+def _with_creased_pieces(state: ProductState, creases: Mapping[str, float]) -> ProductState:
+    """Return a network whose pieces meet as a file says, by their names."""
+    if not creases:
+        return state
+    net = net_of_state(state)
+    names = piece_names(net, state.of_kind(Curve))
+    for name, crease in creases.items():
+        found = next((net.edges[k] for k, own in enumerate(names) if own == name), None)
+        if found is None:
+            whole = name.partition("/")[0]
+            count = sum(own.partition("/")[0] == whole for own in names)
+            raise UserError(
+                f"“network.creases” names a piece “{name[:40]}”; “{whole[:40]}” has {count}, where "
+                "curves meet it."
+            )
+        chosen = Stretch(*found.span, KINDS.get(crease, "between"), crease)
+        curve = next(one for one in state.of_kind(Curve) if one.id == found.curve)
+        state = state.with_node(with_stretch(curve, *found.span, chosen))
+    return state
 
 
 def _loops(
@@ -241,30 +283,54 @@ def _first_name(name: str, where: str, again: Mapping[str, str]) -> str:
 
 
 def _numbers(value: object, where: str, rows: Mapping[str, Array]) -> dict[str, float]:
-    """Return numbers from 0 to 1 by the names of whole curves."""
+    """Return numbers from 0 to 1 by the names of curves and pieces."""
     made = {}
     for name, number in an_object(value, f"network.{where}").items():
         _known(name, f"network.{where}", rows)
-        if name not in rows:
-            raise UserError(
-                f"“network.{where}” names a piece “{str(name)[:40]}”; it takes whole curves. Give "
-                "the piece as a curve of its own."
-            )
         made[str(name)] = a_number(number, f"network.{where}.{name}", 0.0, 1.0)
     return made
 
 
-def _pressures(
-    value: object, rows: Mapping[str, Array], again: Mapping[str, str]
-) -> dict[frozenset[str], float]:
+def _of_surfaces(
+    value: object,
+    title: str,
+    rows: Mapping[str, Array],
+    again: Mapping[str, str],
+    read: Callable[[object, str], Mapping[str, Any]],
+) -> OfSurfaces:
     made = {}
-    for names, number in an_object(value, "network.pressure").items():
+    for names, given in an_object(value, f"network.{title}").items():
         listed = _names_in(str(names), rows)
         for name in listed:
-            _known(name, "network.pressure", rows)
-        where = f"network.pressure.{str(names)[:40]}"
+            _known(name, f"network.{title}", rows)
+        where = f"network.{title}.{str(names)[:40]}"
         key = frozenset(_first_name(name, where, again) for name in listed)
-        made[key] = a_number(number, where, -2.0, 2.0)
+        made[key] = read(given, where)
+    return made
+
+
+def _pressure(value: object, where: str) -> Mapping[str, Any]:
+    return {"pressure": a_number(value, where, -2.0, 2.0)}
+
+
+def _paint(value: object, where: str) -> Mapping[str, Any]:
+    """Return colour, finish and name of a surface, as far as they are told."""
+    given = an_object(value, where)
+    unknown = sorted(set(map(str, given)) - {"color", "finish", "name"})
+    if unknown:
+        raise UserError(f"“{where}” has a key “{unknown[0][:40]}”. Known are color, finish, name.")
+    made: dict[str, Any] = {}
+    if given.get("color") is not None:
+        made["color"] = a_color(given["color"], f"{where}.color")
+    if "finish" in given:
+        if given["finish"] not in get_args(Finish):
+            raise UserError(f"“{where}.finish” is one of {', '.join(get_args(Finish))}.")
+        made["finish"] = given["finish"]
+    if "name" in given:
+        name = given["name"]
+        if not isinstance(name, str) or not 1 <= len(name.strip()) <= 200:
+            raise UserError(f"“{where}.name” is a text of 1 to 200 letters.")
+        made["name"] = name.strip()
     return made
 
 

@@ -6,7 +6,7 @@ Where a curve meets others stands in joints, not in pieces of it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from bozzetto_product.model.appearance import Color
 from bozzetto_product.model.planes import Plane
 
 EdgeKind = Literal["auto", "smooth", "crease", "between"]
+
+CREASES: Final = {"auto": float("nan"), "smooth": 0.0, "crease": 1.0}
+"""Crease of an edge by its kind; another kind takes its own number."""
 
 
 FARTHEST = 1e9
@@ -69,6 +72,25 @@ class LaidPlaces:
 
 
 @dataclass(frozen=True)
+class Stretch:
+    """A part of a curve over which surfaces meet in a way of its own.
+
+    Parameters
+    ----------
+    low, high : float
+        Shares of the parameter range of the curve; (0.8, 1.3) is over the seam of a closed one.
+    edge : EdgeKind
+    crease : float
+        As of a curve.
+    """
+
+    low: float
+    high: float
+    edge: EdgeKind
+    crease: float = 0.5
+
+
+@dataclass(frozen=True)
 class Curve(Part):
     """A curve of the network, as it is now, with the ink that it comes from.
 
@@ -84,6 +106,8 @@ class Curve(Part):
         The curve stays in it.
     mirrored : bool
         The mirror image in the state's symmetry plane is there as well: one curve, twice.
+    stretches : tuple of Stretch
+        Parts over which surfaces meet otherwise than over the rest; they do not overlap.
     told : tuple of str
         What a person should know of how it was laid in space; until it is laid anew: drawn over,
         straightened, laid in a plane, cut at the edges under it.
@@ -94,6 +118,7 @@ class Curve(Part):
     laid: LaidPlaces | None = None
     plane: Plane | None = None
     mirrored: bool = False
+    stretches: tuple[Stretch, ...] = ()
     told: tuple[str, ...] = ()
     edge: Annotated[
         EdgeKind,

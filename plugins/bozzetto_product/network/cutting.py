@@ -9,22 +9,19 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto.plugin import remembered
+from bozzetto_product.model.curve_stretch import crease_over
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.meetings import SAME_PLACE, Cut, CutCurve, NodeKey, cut_curves
 from bozzetto_product.network.net import Edge, Net
 from bozzetto_product.network.reflection import Reflection
-
-CREASES: Final = {"auto": float("nan"), "smooth": 0.0, "crease": 1.0}
-"""Crease of an edge by the kind that its curve names; another kind takes the curve's own number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +33,7 @@ class _Piece:
     spline: Spline
     start: NodeKey | None
     end: NodeKey | None
+    span: tuple[float, float] = (0.0, 1.0)
 
 
 def net_of(curves: Sequence[Curve], joints: Sequence[Joint], symmetry: Plane) -> Net:
@@ -109,9 +107,9 @@ def _pieces(curve: CutCurve, same: dict[NodeKey, NodeKey]) -> list[_Piece]:
     begin, end = curve.spline.range
     inner = cuts if curve.spline.closed else cuts[1:-1]
     splines = _split(curve.spline, tuple(begin + each.at * (end - begin) for each in inner))
-    ends = [*cuts, cuts[0]] if curve.spline.closed else cuts
+    ends = [*cuts, replace(cuts[0], at=cuts[0].at + 1.0)] if curve.spline.closed else cuts
     return [
-        _Piece(curve, number, spline, first.node, second.node)
+        _Piece(curve, number, spline, first.node, second.node, (first.at, second.at))
         for number, (spline, (first, second)) in enumerate(
             zip(splines, itertools.pairwise(ends), strict=True)
         )
@@ -209,9 +207,10 @@ def _net(
                 spline = _made_symmetric(spline, reflection.plane)
         if ends:
             spline = _between(spline, positions[ends[0]], positions[ends[1]])
-        crease = CREASES.get(curve.curve.edge, curve.curve.crease)
-        number = piece.number
-        edges.append(Edge(spline, start, end, curve.curve.id, number, mirrored, twin, crease))
+        is_image = 0 <= twin < len(edges)
+        crease = edges[twin].crease if is_image else crease_over(curve.curve, *piece.span)
+        row = (spline, start, end, curve.curve.id, piece.number, mirrored, twin, crease)
+        edges.append(Edge(*row, piece.span))
     names = tuple((joint, mirrored and bool(joint)) for joint, mirrored, _ in numbers)
     places = [positions[node] for node in numbers]
     mirrored_nodes = tuple(

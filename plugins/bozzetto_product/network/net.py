@@ -46,6 +46,9 @@ class Edge:
         or is symmetric by itself; -1 for none.
     crease : float
         0 is smooth, 1 a crease; NaN where the network decides.
+    span : (float, float)
+        The shares of the curve's parameter range over which it goes; of a mirror image, those of
+        the curve.
     normals : ToldNormals, optional
         Of a surface that it lies on.
     """
@@ -58,6 +61,7 @@ class Edge:
     mirrored: bool = False
     twin: int = -1
     crease: float = float("nan")
+    span: tuple[float, float] = (0.0, 1.0)
     normals: ToldNormals | None = None
 
 

@@ -19,6 +19,8 @@ from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
     joint_of,
+    meeting_place,
+    place_at,
     share_at,
     spline_of,
     splines_of,
@@ -29,7 +31,9 @@ from bozzetto_product.operations.pieces import (
     split_curve,
     without_idle_joints,
 )
+from bozzetto_product.operations.settling import settled_state
 from bozzetto_product.operations.tangents import end_direction
+from bozzetto_product.projection.planes import mirror_image
 from bozzetto_product.projection.spline_basis import chord_length
 
 PIECE: Final = np.pi / 6.0
@@ -40,6 +44,15 @@ NARROWEST: Final = 1e-3
 
 EXACT: Final = 1e-9
 """Distance, as a share of the radius, between the centres over both curves that is none."""
+
+
+NO_CORNER: Final = (
+    "A corner of two curves that end in one place, not in the symmetry plane, can be rounded. "
+    "Choose such a corner."
+)
+
+LOOKS: Final = 257
+"""Places of an arc and of a curve of which the nearest are found."""
 
 
 class _Side(NamedTuple):
@@ -57,7 +70,9 @@ def fillet(
     """Round the corner between two curves that end in one joint.
 
     Both curves are cut where a circle of the radius touches them, seen along the
-    corner's normal; an arc that joins them there is a curve of its own.
+    corner's normal; an arc that joins them there is a curve of its own. What else ends in the
+    joint ends on the arc from then on: one curve where it comes nearest to the arc, several where
+    the arc is nearest to the corner.
 
     Parameters
     ----------
@@ -80,16 +95,18 @@ def fillet(
     Raises
     ------
     UserError
-        If the curves make no corner there, others meet there too, or the radius is too large.
+        If the curves make no corner there, another one runs through it, or the radius is too large.
     """
     joint, splines = joint_of(state, joint_id), splines_of(state)
     meetings = [meet for meet in joint.meetings if meet.curve in splines]
     named = {meet.curve: meet for meet in meetings}
-    if len(meetings) != 2 or set(named) != {first, second} or joint.in_plane:
-        raise UserError("A corner where just two curves end can be rounded. Choose such a corner.")
+    if first == second or not {first, second} <= named.keys() or joint.in_plane:
+        raise UserError(NO_CORNER)
     ends = [named[first], named[second]]
-    if not all(is_end(splines, meet) and not meet.mirrored for meet in ends):
-        raise UserError("A corner where just two curves end can be rounded. Choose such a corner.")
+    if any(meet.mirrored for meet in ends) or len(named) < len(meetings):
+        raise UserError(NO_CORNER)
+    if not all(is_end(splines, meet) for meet in meetings):
+        raise UserError("A curve runs through this corner. Split it there first.")
     if not (np.isfinite(radius) and radius > 0.0):
         raise UserError("A radius is a length above 0.")
     inward = [_from_corner(splines[meet.curve], meet.at) for meet in ends]
@@ -259,22 +276,46 @@ def _put_together(
         points[end] = spline_of(state, kept[k]).control_points[at]
     fresh = replace(
         curve, id=name, name=state.unused_name("Curve"), spline=Spline(arc.knots, points),
-        strokes=Strokes(), laid=None, plane=None, told=(),
+        strokes=Strokes(), laid=None, plane=None, stretches=(), told=(),
     )  # fmt: skip
-    joints = tuple(
-        replace(one, meetings=(*one.meetings, Meeting(name, float(corners.index(one.id)))))
-        if one.id in corners
-        else one
-        for one in state.joints
+    others = tuple(
+        meet for meet in joint.meetings if meet.curve not in (ends[0].curve, ends[1].curve)
     )
-    state = replace(state.with_node(fresh), joints=joints)
+    assert fresh.spline is not None
+    share = _share_for(state, joint, others, fresh.spline)
+    joints = []
+    for one in state.joints:
+        if one.id in corners:
+            meeting = Meeting(name, float(corners.index(one.id)))
+            joints.append(replace(one, meetings=(*one.meetings, meeting)))
+        elif one.id != joint.id:
+            joints.append(one)
+        elif others:
+            joints.append(replace(one, meetings=(*others, Meeting(name, share))))
+    state = replace(state.with_node(fresh), joints=tuple(joints))
 
     def change(boundary: Boundary) -> Boundary:
         return _round_the_corner(boundary, waste, corners, name)
 
-    state = with_boundaries(state, change)
-    gone = replace(state, joints=tuple(one for one in state.joints if one.id != joint.id))
-    return without_idle_joints(delete_curves(gone, *waste)), name
+    state = without_idle_joints(delete_curves(with_boundaries(state, change), *waste))
+    pins = {joint.id: place_at(fresh.spline, share)} if others else {}
+    return settled_state(state, {}, pins), name
+
+
+def _share_for(
+    state: ProductState, joint: Joint, others: tuple[Meeting, ...], arc: Spline
+) -> float:
+    """Return the share of the arc at which the other curves of a corner end from then on."""
+    from scipy.spatial import cKDTree
+
+    places = arc.sampled(LOOKS)
+    if len(others) == 1:
+        beside = spline_of(state, others[0].curve).sampled(LOOKS)
+        beside = mirror_image(beside, state.symmetry) if others[0].mirrored else beside
+    else:
+        beside = meeting_place(splines_of(state), joint.meetings[0], state.symmetry)[None]
+    away = cKDTree(beside).query(places[1:-1])[0]
+    return float((1 + int(np.argmin(away))) / (LOOKS - 1))
 
 
 def _exchanged(state: ProductState, one: str, other: str) -> ProductState:
@@ -308,18 +349,21 @@ def _exchanged(state: ProductState, one: str, other: str) -> ProductState:
 def _round_the_corner(
     boundary: Boundary, waste: list[str], corners: list[str], arc: str
 ) -> Boundary:
-    """Return a boundary in which the two parts at a corner are the arc."""
+    """Return a boundary in which the two parts at a corner are the arc, and one is its half."""
     rows = [
-        (outline[number - 1], run)
+        (outline[number - 1], run, outline[(number + 1) % len(outline)])
         for outline in outlines_of_boundary(boundary)
         for number, run in enumerate(outline)
     ]
     runs: list[Run] = []
-    for before, run in rows:
-        if run.curve in waste and before.curve in waste and run.curve != before.curve:
+    for before, run, after in rows:
+        if run.curve not in waste:
+            runs.append(run)
+        elif before.curve in waste and run.curve != before.curve:
             forward = before.curve == waste[0]
             start, end = (corners[0], corners[1]) if forward else (corners[1], corners[0])
             runs.append(Run(arc, start, end, forward, run.mirrored))
-        elif run.curve not in waste:
-            runs.append(run)
+        elif after.curve not in waste or run.curve == after.curve:
+            forward = (run.start == corners[0]) or (run.end == corners[1])
+            runs.append(Run(arc, run.start, run.end, forward, run.mirrored))
     return tuple(runs)

@@ -11,7 +11,8 @@ import numpy as np
 from bozzetto.arrays import Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import DEGREE, Spline
-from bozzetto_product.model.curves import Curve, LaidPlaces
+from bozzetto_product.model.curve_stretch import stretches_within, with_stretch
+from bozzetto_product.model.curves import Curve, LaidPlaces, Stretch
 from bozzetto_product.model.joints import Boundary, Joint, Meeting, Run
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
@@ -97,7 +98,8 @@ def turn_curve(state: ProductState, curve_id: str) -> ProductState:
         for joint in state.joints
     ]
     laid = None if curve.laid is None else _laid_taken(curve.laid, slice(None, None, -1))
-    turned = replace(curve, spline=curve.spline.reversed(), laid=laid)
+    stretches = stretches_within(curve.stretches, 0.0, 1.0, (1.0, 0.0))
+    turned = replace(curve, spline=curve.spline.reversed(), laid=laid, stretches=stretches)
     nodes = tuple(turned if node.id == curve_id else node for node in state.nodes)
     state = replace(state, nodes=nodes, joints=tuple(meetings_turned))
 
@@ -224,9 +226,21 @@ def join_curves(
     highs = {first: seams[0], second: 1.0}
     strokes = one.strokes.extended(tuple(other.strokes))
     merged = replace(one, spline=whole, strokes=strokes, laid=None)
+    merged = replace(merged, stretches=_stretches_of_both(one, other, seams))
     if one.plane != other.plane:
         merged = replace(merged, plane=None)
     return _as_one(state, merged, second, lows, highs)
+
+
+def _stretches_of_both(one: Curve, other: Curve, seams: Sequence[float]) -> tuple[Stretch, ...]:
+    """Return the stretches of a curve of two, the first of which says how all of it meets."""
+    own = stretches_within(one.stretches, 0.0, 1.0, (0.0, seams[0]))
+    if (other.edge, other.crease) != (one.edge, one.crease):
+        given = other.stretches
+        other = replace(other, stretches=(Stretch(0.0, 1.0, other.edge, other.crease),))
+        for each in given:
+            other = with_stretch(other, each.low, each.high, each)
+    return (*own, *stretches_within(other.stretches, 0.0, 1.0, (seams[-1], 1.0)))
 
 
 def chained(parts: Sequence[Spline]) -> tuple[Spline, list[float]]:
@@ -376,7 +390,7 @@ def _joints_of_pieces(
 
 
 def _part_of(curve: Curve, low: float, high: float) -> Curve:
-    """Return a curve with those of its places on surfaces that are on a part of it."""
+    """Return a curve with those of its places on surfaces, and stretches, that are on a part."""
 
     def rows(count: int) -> Index:
         steps = max(1, round((high - low) * (count - 1)))
@@ -386,7 +400,7 @@ def _part_of(curve: Curve, low: float, high: float) -> Curve:
     laid = curve.laid
     if laid is not None and len(laid.points) > 1:
         laid = _laid_taken(laid, rows(len(laid.points)))
-    return replace(curve, laid=laid)
+    return replace(curve, laid=laid, stretches=stretches_within(curve.stretches, low, high))
 
 
 def _laid_taken(laid: LaidPlaces, rows: Index | slice) -> LaidPlaces:

@@ -185,7 +185,7 @@ def _counting(job: Job, count: int) -> Callable[[], None]:
 def _network_key(
     curves: Sequence[Curve], joints: Sequence[Joint], symmetry: Plane
 ) -> tuple[object, ...]:
-    shapes = tuple((c.id, c.spline, c.mirrored, c.edge, c.crease) for c in curves)
+    shapes = tuple((c.id, c.spline, c.mirrored, c.edge, c.crease, c.stretches) for c in curves)
     return shapes, tuple(joints), symmetry
 
 

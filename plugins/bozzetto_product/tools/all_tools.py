@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 from bozzetto.plugin import Tool
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.tools.crease import SwitchCrease
 from bozzetto_product.tools.detail import DrawDetail
 from bozzetto_product.tools.draw_curve import DrawCurve
 from bozzetto_product.tools.emblem import LayText
 from bozzetto_product.tools.erase import Erase
+from bozzetto_product.tools.fillet import Fillet
 from bozzetto_product.tools.join import Join
 from bozzetto_product.tools.loop import SwitchLoop
 from bozzetto_product.tools.modify import Modify
@@ -35,4 +37,6 @@ def all_tools() -> Sequence[Tool[ProductState]]:
         Split(),
         Join(),
         SetPlane(),
+        Fillet(),
+        SwitchCrease(),
     )

@@ -142,7 +142,7 @@ def _with_joint_moved(state: ProductState, drag: Drag) -> ProductState:
     if joint is None or any(meeting.curve not in splines for meeting in joint.meetings):
         raise UserError(_GONE)
     place = meeting_place(splines, joint.meetings[0], state.symmetry)
-    goal = _dragged(drag, place)
+    goal = dragged_to(drag, place)
     return move_joint(state, joint.id, goal)
 
 
@@ -153,7 +153,7 @@ def _with_shape_sized(state: ProductState, drag: Drag) -> ProductState:
         raise UserError(_GONE)
     centre = np.array(part.centre)
     if axis == "c":
-        moved = _dragged(drag, centre)
+        moved = dragged_to(drag, centre)
         return state.with_node(replace(part, centre=triple(moved)))
     number = "xyz".index(axis)
     half = 0.5 * (part.length, part.width, part.height)[number]
@@ -168,7 +168,7 @@ def _with_shape_sized(state: ProductState, drag: Drag) -> ProductState:
     return state.with_node(sized[number])
 
 
-def _dragged(drag: Drag, place: Array) -> Array:
+def dragged_to(drag: Drag, place: Array) -> Array:
     """Return where a place goes, parallel to the screen: the pen may hold it a little beside."""
     seen, _ = drag.camera.project(place[None])
     pixel = seen[0] + drag.path.points[-1] - drag.path.points[0]

@@ -20,6 +20,7 @@ from bozzetto_product.model.rough_shapes import FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.net import Edge
 from bozzetto_product.network.reflection import Reflection
+from bozzetto_product.operations.corners import corners_of
 from bozzetto_product.projection.planes import plane_through
 from bozzetto_product.solve.canvas import Canvas, canvases_of
 from bozzetto_product.solve.result import ProductResult
@@ -78,6 +79,8 @@ LIT_OPACITY: Final = 0.5
 LOOP_TOOL: Final = "loop"
 MOVE_TOOL: Final = "move"
 PLANE_TOOL: Final = "plane"
+FILLET_TOOL: Final = "fillet"
+CREASE_TOOL: Final = "crease"
 """Ids of the tools that show a layer of their own."""
 
 JOIN_TOOL: Final = "join"
@@ -120,6 +123,8 @@ def scene_of(state: ProductState, result: ProductResult | None) -> Scene:
             Layer("joints", tuple(_joints(result))),
             Layer("gaps", tuple(_gaps(result))),
             Layer("handles", tuple(_handles(state, result)), tool=MOVE_TOOL),
+            Layer("creases", tuple(_creases(result)), tool=CREASE_TOOL),
+            Layer("corners", tuple(_corners(state, result)), tool=FILLET_TOOL),
             Layer("text handles", tuple(emblem_handles(state, result)), tool=EMBLEM_TOOL),
         ]
     return Scene(tuple(layer for layer in layers if layer.items))
@@ -307,6 +312,22 @@ def _handles(state: ProductState, result: ProductResult) -> Iterator[Handle]:
     for part in state.shown(RoughShape):
         if part.id == state.selected:
             yield from size_handles(part)
+
+
+def _creases(result: ProductResult) -> Iterator[Lines]:
+    """Yield the edges of which was said how surfaces meet there: creases, and the others."""
+    for is_crease, color in ((True, "accent"), (False, "second")):
+        edges = [edge for edge in result.net.edges
+                 if np.isfinite(edge.crease) and (edge.crease >= 1.0) == is_crease]  # fmt: skip
+        if edges:
+            yield edge_lines(edges, color, OPEN_WIDTH, OPEN_OPACITY)
+
+
+def _corners(state: ProductState, result: ProductResult) -> Iterator[Handle]:
+    """Yield a handle in each corner that can be rounded."""
+    splines = {curve.id: curve.spline for curve in result.curves if curve.spline is not None}
+    for corner in corners_of(state.joints, splines):
+        yield Handle(corner.name, corner.handle, tip="Corner: drag the arc")
 
 
 def size_handles(part: RoughShape) -> Iterator[Handle]:

@@ -387,6 +387,21 @@ def test_strokes_drawn_while_a_recovery_loads_are_asked_about(
     assert kept_strokes(folder, window.session.registry) == [1, 1]
 
 
+def test_who_closes_the_window_over_the_question_is_offered_both_again(
+    offered, folder, settle, qtbot
+):
+    """Nothing answers for the drawing that was on its way: it does not stay claimed."""
+    window, dialog = offered(1)
+    buttons(dialog, "Open")[0].click()
+    stroke = stroke_of(circle(share=0.5), window.session.view.camera)
+    window.session.drawing.set_waiting("Stroke", (WaitingStroke(stroke),))
+    question(window, qtbot)
+    assert RecoveryStore(folder).crashed_sessions() == []
+    window.close_without_asking()
+    window.keeper.wait()
+    assert kept_strokes(folder, window.session.registry) == [1, 1]
+
+
 def test_what_is_given_up_for_another_drawing_goes_and_that_comes(
     offered, folder, settle, qtbot, crash
 ):

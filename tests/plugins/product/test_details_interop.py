@@ -17,6 +17,8 @@ from tests.plugins.product.detail_kit import (
     polygon_around,
     with_detail,
 )
+from tests.plugins.product.test_details_over_edges import over_edge, solved
+from tests.plugins.product.test_network_file import box
 
 pytestmark = pytest.mark.interop
 
@@ -39,4 +41,16 @@ def test_opencascade_reads_one_valid_closed_solid(tmp_path, kind):
     assert answer["valid"]
     assert (answer["solids"], answer["shells"]) == (1, 1)
     assert answer["faces"] == len(solid.exact.faces)
+    assert answer["volume"] == pytest.approx(manifold(solid.mesh).volume(), rel=1e-3)
+
+
+@pytest.mark.parametrize("draft", [0.0, 4.0])
+def test_opencascade_reads_a_window_across_an_edge(tmp_path, draft):
+    _, (solid,) = solved(box(), kind="cut", draft=draft, outlines=[over_edge()])
+    path = tmp_path / "a.step"
+    export(Shapes(solids=(solid,)), path)
+    said, answer = ask(OPENCASCADE, path)
+    assert messages(said) == []
+    assert answer["valid"]
+    assert (answer["solids"], answer["shells"]) == (1, 1)
     assert answer["volume"] == pytest.approx(manifold(solid.mesh).volume(), rel=1e-3)

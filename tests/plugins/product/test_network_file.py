@@ -366,3 +366,40 @@ def test_a_ring_of_two_strokes_that_overlap_meets_once_on_each_side(over, turned
     for curve in state.of_kind(Curve):
         assert curve.spline is not None
         assert curve.spline.least_distances(given[curve.name]).max() < 1.0
+
+
+def test_surfaces_are_painted_and_called_as_the_file_says() -> None:
+    facts = box()
+    facts["network"]["paint"] = {
+        "ab bc cd da": {"color": [226, 88, 62], "finish": "gloss", "name": "Face"},
+        "ef fg gh he": {"finish": "glass"},
+    }
+    state = product_of_network(facts)
+    told = {(patch.name, patch.color, patch.finish) for patch in state.of_kind(Patch)}
+    assert ("Face", (226, 88, 62), "gloss") in told
+    assert sorted(finish for _, _, finish in told) == ["glass", "gloss", *["matt"] * 4]
+    result = ProductModeler().solve(state, Job())
+    (solid,) = shapes_of(state, result).solids
+    groups = {group.name: group for group in solid.groups}
+    assert groups["Face"].color == (226, 88, 62)
+
+
+@pytest.mark.parametrize(
+    ("paint", "words"),
+    [
+        ({"ab bc": {"finish": "gloss"}}, "no surface has exactly"),
+        ({"ab zz": {}}, "not there"),
+        ({"ab bc cd da": {"colour": [1, 2, 3]}}, "has a key “colour”"),
+        ({"ab bc cd da": {"color": [1, 2]}}, "red, green, blue"),
+        ({"ab bc cd da": {"color": [1, 2, 300]}}, "255"),
+        ({"ab bc cd da": {"finish": "wood"}}, "is one of matt"),
+        ({"ab bc cd da": {"name": " "}}, "is a text"),
+        ({"ab bc cd da": "red"}, "no object"),
+        ([1], "no object"),
+    ],
+)
+def test_paint_that_makes_no_sense_is_refused(paint: object, words: str) -> None:
+    facts = box()
+    facts["network"]["paint"] = paint
+    with pytest.raises(UserError, match=words):
+        product_of_network(facts)

@@ -122,6 +122,7 @@ class RecoveryStore:
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
         self._claims: dict[str, FileLock] = {}
+        self._closed = False
 
     def begin(
         self,
@@ -231,6 +232,16 @@ class RecoveryStore:
         if claim is not None:
             claim.release()
 
+    def close(self) -> None:
+        """Release all claimed sessions, which are offered again; no other is claimed any more.
+
+        Whoever brought one back has recovery data of its own by then, or shows it no longer.
+        """
+        self._closed = True
+        while self._claims:
+            with contextlib.suppress(KeyError):  # another thread keeps or discards it
+                self._claims.popitem()[1].release()
+
     def discard(self, session: CrashedSession) -> None:
         """Discard a session that the person gave up, or whose document is open again.
 
@@ -290,6 +301,9 @@ class RecoveryStore:
         # A lock of another machine is taken over: the person was told of it, and chose it.
         force = session.host != "" and abandoned_holder(folder / LOCK) is not None
         self._claims[session.id] = FileLock.acquire(folder / LOCK, session.name, force=force)
+        if self._closed:
+            self.keep(session)
+            raise UserError(f"The window that brings “{session.name}” back is closed.")
 
 
 @contextlib.contextmanager

@@ -1,0 +1,157 @@
+"""Fillet: a corner between two curves is rounded by a touch, or by dragging the arc."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
+from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
+from bozzetto.scene import Layer, Scene, cast_rays
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.operations.corners import CORNER, Corner, corners_of
+from bozzetto_product.operations.fillet import fillet
+from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.projection.views import pixel_size
+from bozzetto_product.tools.move import dragged_to
+from bozzetto_product.tools.over_curve import NO_CURVE
+from bozzetto_product.tools.product_tool import (
+    ProductTool,
+    changed,
+    has_curves,
+    own_surfaces,
+    standing,
+)
+from bozzetto_product.view.scene import (
+    CHOSEN_WIDTH,
+    FILLET_TOOL,
+    lines,
+    polyline,
+)
+
+REACH: Final = 40.0
+"""Distance from a corner within which a touch means it, px."""
+
+LARGEST: Final = 1e5
+"""Largest radius, mm; that of the parameter."""
+
+STILL: Final = 3.0
+"""Way of a pen on a dot, px, below which it is a touch: the radius is the one that is set."""
+
+_NOBODY: Final = "There is no corner here. Touch one between the two curves that are meant."
+
+
+class Fillet(ProductTool):
+    """Rounds the corner between two curves that end in one joint."""
+
+    id = FILLET_TOOL
+    title = "Fillet"
+    icon = "icons/fillet.svg"
+    group = "Curve"
+    hint = (
+        "Drag the dot in a corner: the arc goes where the pen is. A touch between two curves takes "
+        "the radius “Fillet”."
+    )
+    gesture = "drag"
+
+    @override
+    def next_step(self, state: ProductState) -> NextStep:
+        """Return the gesture; where there is no curve, that one is to be drawn."""
+        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
+
+    @override
+    @standing
+    def preview(self, state: ProductState, gesture: Gesture, context: Context) -> Scene:
+        """Return the curves after the drag."""
+        if not isinstance(gesture, Drag):
+            return Scene()
+        before, after = splines_of(state), splines_of(_dragged(state, gesture))
+        fresh = [
+            polyline(spline)
+            for name, spline in after.items()
+            if name not in before or not _is_same(spline, before[name])
+        ]
+        return Scene((Layer("rounded", (lines(fresh, "accent", CHOSEN_WIDTH),)),))
+
+    @override
+    @standing
+    def tap(self, state: ProductState, tap: Tap, context: Context) -> ProductState:
+        """Round the corner under the pen by the radius that is set.
+
+        Raises
+        ------
+        UserError
+            If there is none, or the radius is too large for it.
+        """
+        corner = _under(state, tap, own_surfaces(context.scene))
+        if corner is None:
+            raise UserError(_NOBODY)
+        return changed(state, lambda before: _rounded(before, corner, state.rounding))
+
+    @override
+    @standing
+    def drag(self, state: ProductState, drag: Drag, context: Context) -> ProductState:
+        """Round a corner so that its arc is where the pen is; the radius is that of the next touch.
+
+        Raises
+        ------
+        UserError
+            If the handle is not of this product, or the radius is too large.
+        """
+        return changed(state, lambda before: _dragged(before, drag))
+
+
+def _is_same(one: Spline, other: Spline) -> bool:
+    return np.array_equal(one.control_points, other.control_points)
+
+
+def _dragged(state: ProductState, drag: Drag) -> ProductState:
+    corner = next(
+        (one for one in corners_of(state.joints, splines_of(state)) if one.name == drag.handle),
+        None,
+    )
+    if corner is None or not drag.handle.startswith(CORNER):
+        raise UserError("This corner is not there any more. Drag the dot of another one.")
+    if float(np.ptp(drag.path.points, axis=0).max()) < STILL:
+        return _rounded(state, corner, state.rounding)
+    radius = corner.radius_through(dragged_to(drag, np.array(corner.handle)))
+    if not 0.0 < radius <= LARGEST:
+        raise UserError("Drag between the two curves: the arc goes where the pen is.")
+    return _rounded(replace(state, rounding=radius), corner, radius)
+
+
+def _rounded(state: ProductState, corner: Corner, radius: float) -> ProductState:
+    made, name = fillet(state, corner.joint, corner.first, corner.second, radius)
+    return replace(made, selected=name)
+
+
+def _under(state: ProductState, tap: Tap, surfaces: Scene) -> Corner | None:
+    """Return the corner that is touched: at the nearest joint, the one that the touch lies in."""
+    camera = tap.camera
+    pen = np.array((tap.x, tap.y))
+    best: tuple[float, float, Corner] | None = None
+    for corner in corners_of(state.joints, splines_of(state)):
+        seen = camera.project(np.array((corner.place, corner.handle)))[0]
+        away = float(np.linalg.norm(seen[0] - pen))
+        if not np.isfinite(seen).all() or away > REACH or _is_hidden(corner, tap, surfaces):
+            continue
+        ways = seen[1] - seen[0], pen - seen[0]
+        lengths = float(np.linalg.norm(ways[0]) * np.linalg.norm(ways[1]))
+        aside = -float(ways[0] @ ways[1]) / lengths if lengths > 0.0 else 0.0
+        # Corners of one joint are told apart by where the touch lies in them.
+        key = round(away, 3), aside
+        if best is None or key < best[:2]:
+            best = (*key, corner)
+    return None if best is None else best[2]
+
+
+def _is_hidden(corner: Corner, tap: Tap, surfaces: Scene) -> bool:
+    """Whether a surface is seen before a corner."""
+    place = np.array((corner.place,))
+    rays = tap.camera.rays(tap.camera.project(place)[0])
+    hits = cast_rays(surfaces, rays)
+    behind = float((place[0] - hits.points[0]) @ rays.directions[0])
+    return bool(hits.hit[0]) and behind > REACH * float(pixel_size(tap.camera, place)[0])

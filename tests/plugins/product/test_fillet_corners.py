@@ -1,0 +1,226 @@
+"""Corners where more than two curves meet: two are rounded, and the others end on the arc."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from bozzetto.errors import UserError
+from bozzetto.geometry import Spline
+from bozzetto.plugin import Context, Drag, Job, Tap
+from bozzetto.scene import Handle, Lines
+from bozzetto.testing import Pen, same
+from bozzetto.view import Camera
+from bozzetto_product.model.curves import Curve
+from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.state import ProductState
+from bozzetto_product.modeler import ProductModeler
+from bozzetto_product.operations.corners import Corner, corners_of
+from bozzetto_product.operations.fillet import fillet
+from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.solve.found_patches import with_patches_found
+from bozzetto_product.solve.solver import solve_product
+from bozzetto_product.tools.fillet import Fillet
+from tests.plugins.product.test_curve_operations import misses
+
+SIZES = (60.0, 50.0, 40.0)
+TURNED = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+VIEW = Camera(eye=(260.0, 220.0, 200.0), target=(30.0, 25.0, 20.0))
+RADIUS = 9.0
+
+
+def box(turn: np.ndarray | None = None) -> ProductState:
+    """The twelve edges of a box, every second one drawn backwards; six surfaces."""
+    turn = np.eye(3) if turn is None else turn
+    corners = np.array(list(itertools.product(*((0.0, size) for size in SIZES))))
+    pairs = [
+        (a, b)
+        for a, b in itertools.combinations(range(8), 2)
+        if np.count_nonzero(corners[a] != corners[b]) == 1
+    ]
+    pairs = [pair[:: 1 if number % 2 else -1] for number, pair in enumerate(pairs)]
+    share = np.linspace(0.0, 1.0, 7)[:, None]
+    curves = [
+        Curve(
+            f"e{number}",
+            f"Edge {number}",
+            spline=Spline.uniform(((1 - share) * corners[a] + share * corners[b]) @ turn.T),
+        )
+        for number, (a, b) in enumerate(pairs)
+    ]
+    joints = [
+        Joint(
+            f"j{corner}",
+            tuple(
+                Meeting(f"e{number}", float(pair.index(corner)))
+                for number, pair in enumerate(pairs)
+                if corner in pair
+            ),
+        )
+        for corner in range(8)
+    ]
+    return with_patches_found(ProductState(nodes=tuple(curves), joints=tuple(joints)))
+
+
+PAIRS = list(itertools.combinations(range(3), 2))
+
+
+@pytest.mark.parametrize("corner", range(8))
+@pytest.mark.parametrize("pair", PAIRS)
+def test_the_solid_stays_closed_and_its_surfaces_are_kept(
+    corner: int, pair: tuple[int, int]
+) -> None:
+    state = box(TURNED)
+    joint = state.joints[corner]
+    first, second = (joint.meetings[k].curve for k in pair)
+    (third,) = {meet.curve for meet in joint.meetings} - {first, second}
+    done, arc = fillet(state, joint.id, first, second, RADIUS)
+    assert misses(done) == 0.0
+    (kept,) = (one for one in done.joints if one.id == joint.id)
+    assert {meet.curve for meet in kept.meetings} == {third, arc}
+    assert [patch.id for patch in done.of_kind(Patch)] == [p.id for p in state.of_kind(Patch)]
+    assert sorted(len(patch.boundary) for patch in done.of_kind(Patch)) == [4, 4, 4, 5, 5, 5]
+    found = with_patches_found(done)
+    assert found.of_kind(Patch) == done.of_kind(Patch)
+    result = solve_product(done, Job())
+    assert len(result.filled) == 6
+    assert not result.open_edges
+
+
+def test_which_is_named_first_does_not_matter() -> None:
+    state = box()
+    one, _ = fillet(state, "j7", *_curves_at(state, "j7")[:2], RADIUS)
+    other, _ = fillet(state, "j7", *_curves_at(state, "j7")[1::-1], RADIUS)
+    ends = [
+        sorted(tuple(np.round(spline.value(spline.range)[k], 9)) for k in (0, 1))
+        for made in (one, other)
+        for spline in [splines_of(made)["e0"]]
+    ]
+    assert ends[0] == ends[1]
+    areas = [
+        sorted(round(p.fill.area, 3) for p in solve_product(made, Job()).filled if p.fill)
+        for made in (one, other)
+    ]
+    assert areas[0] == pytest.approx(areas[1], rel=1e-5)
+
+
+def _curves_at(state: ProductState, joint: str) -> list[str]:
+    return [m.curve for one in state.joints if one.id == joint for m in one.meetings]
+
+
+def test_what_runs_through_is_told() -> None:
+    """A T: two curves end inside a third one."""
+    share = np.linspace(-1.0, 1.0, 9)[:, None]
+    through = Spline.uniform(share * (50.0, 0.0, 0.0))
+    ends = [Spline.uniform((share + 1.0) * way) for way in ((20.0, 20.0, 0.0), (-20.0, 20.0, 0.0))]
+    curves = [
+        Curve(name, spline=spline) for name, spline in zip("tab", (through, *ends), strict=True)
+    ]
+    joint = Joint("j", (Meeting("t", 0.5), Meeting("a", 0.0), Meeting("b", 0.0)))
+    state = ProductState(nodes=tuple(curves), joints=(joint,))
+    with pytest.raises(UserError, match="runs through"):
+        fillet(state, "j", "a", "b", 5.0)
+    assert not list(corners_of(state.joints, splines_of(state)))
+
+
+def _context(state: ProductState) -> Context:
+    scene = ProductModeler().scene(state, solve_product(state, Job()))
+    return Context(camera=VIEW, scene=scene)
+
+
+def test_every_corner_has_a_handle_of_the_tool() -> None:
+    state = box()
+    items = [(layer, item) for layer, item in _context(state).scene.items()]
+    handles = [item for layer, item in items if isinstance(item, Handle) and layer.tool == "fillet"]
+    assert len(handles) == 8 * len(PAIRS)
+
+
+@pytest.mark.parametrize("radius", [4.0, 18.0])
+def test_the_arc_goes_where_the_pen_drags_it(radius: float) -> None:
+    """Dragged along the bisector to where the middle of the arc of a radius is."""
+    state = box()
+    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    start, place = np.array(corner.handle), np.array(corner.place)
+    way = (start - place) / np.linalg.norm(start - place)
+    goal = place + radius * (1.0 / np.sin(0.25 * np.pi) - 1.0) * way
+    top = Camera(kind="orthographic", eye=tuple(start + 300.0 * np.cross(*_ways(corner, state))),
+                 target=tuple(start), up=tuple(way), height=200.0)  # fmt: skip
+    pixels = top.project(np.array((start, goal)))[0]
+    path = Pen(camera=top).along([tuple(map(float, pixel)) for pixel in pixels])
+    drag = Drag(corner.name, path)
+    context = Context(camera=top)
+    preview = Fillet().preview(state, drag, context)
+    assert [layer.name for layer in preview.layers] == ["rounded"]
+    done = Fillet().drag(state, drag, context)
+    assert done.rounding == pytest.approx(radius, rel=0.02)
+    arc = splines_of(done)[done.selected]
+    middle = arc.value([np.mean(arc.range)])[0]
+    assert np.linalg.norm(middle - goal) < 0.05 * radius
+
+
+def _ways(corner: Corner, state: ProductState) -> tuple[np.ndarray, np.ndarray]:
+    splines = splines_of(state)
+    ways = []
+    for name in (corner.first, corner.second):
+        ends = splines[name].control_points[[0, -1]]
+        far = ends[int(np.argmax(np.linalg.norm(ends - corner.place, axis=1)))]
+        ways.append((far - corner.place) / np.linalg.norm(far - corner.place))
+    return ways[0], ways[1]
+
+
+def test_a_touch_on_a_dot_takes_the_radius_that_is_set() -> None:
+    state = box()
+    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
+    path = Pen(camera=VIEW).along([(x, y), (x + 0.4, y)])
+    done = Fillet().drag(state, Drag(corner.name, path), Context(camera=VIEW))
+    assert done.rounding == state.rounding
+    by_number, _ = fillet(state, corner.joint, corner.first, corner.second, state.rounding)
+    assert same(done.joints, by_number.joints)
+
+
+def test_the_preview_shows_what_changes_only() -> None:
+    state = box()
+    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
+    path = Pen(camera=VIEW).along([(x, y), (x + 6.0, y)])
+    (layer,) = Fillet().preview(state, Drag(corner.name, path), Context(camera=VIEW)).layers
+    (item,) = layer.items
+    assert isinstance(item, Lines)
+    assert len(item.starts) == 4  # three curves that end in the corner, and the arc
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_a_touch_means_the_corner_that_it_lies_in(pair: tuple[int, int]) -> None:
+    state = box()
+    curves = _curves_at(state, "j7")
+    names = {curves[k] for k in pair}
+    wanted = next(
+        one
+        for one in corners_of(state.joints, splines_of(state))
+        if one.joint == "j7" and {one.first, one.second} == names
+    )
+    seen = VIEW.project(np.array((wanted.place, wanted.handle)))[0]
+    x, y = seen[0] + 12.0 * (seen[1] - seen[0]) / np.linalg.norm(seen[1] - seen[0])
+    done = Fillet().tap(state, Tap(float(x), float(y), VIEW), _context(state))
+    arc = splines_of(done)[done.selected]
+    joined = {
+        meet.curve
+        for one in done.joints
+        if any(m.curve == done.selected and m.at in (0.0, 1.0) for m in one.meetings)
+        for meet in one.meetings
+    }
+    assert joined == {*names, done.selected}
+    assert np.linalg.norm(arc.value(arc.range) - wanted.place, axis=1).max() < 6.0
+
+
+def test_nothing_is_rounded_where_no_corner_is() -> None:
+    state = box()
+    with pytest.raises(UserError, match="no corner"):
+        Fillet().tap(state, Tap(3.0, 3.0, VIEW), _context(state))
+    path = Pen(camera=VIEW).along([(100.0, 100.0), (120.0, 100.0)])
+    with pytest.raises(UserError, match="not there any more"):
+        Fillet().drag(state, Drag("corner j7 e0 gone", path), _context(state))
