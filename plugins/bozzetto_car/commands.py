@@ -45,8 +45,8 @@ def all_commands() -> tuple[Command, ...]:
         ),
         Command(
             "undo-edits", "Take back all edits",
-            "Remove all edits by hand; the shape that the marks give stays.", _no_edits,
-            enabled=lambda state: bool(state.edits),
+            "Remove all edits by hand, and how lines join; the shape that the marks give stays.",
+            _no_edits, enabled=lambda state: bool(state.edits or state.joints or state.flowing),
         ),
         Command(
             "save-template", "Save this car as a template",
@@ -85,7 +85,7 @@ def _treated(state: CarState, kind: Literal["anneal", "reduce", "pull out"]) -> 
 
 
 def _no_edits(state: CarState, context: Context) -> CarState:
-    return replace(state, edits=())
+    return replace(state, edits=(), joints=(), flowing=())
 
 
 def is_shaped(state: CarState) -> bool:

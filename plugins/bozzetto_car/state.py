@@ -20,6 +20,7 @@ from bozzetto.ink import Strokes
 from bozzetto.plugin import Group, Parameter, Part, PartsState
 from bozzetto.scene import Picture
 from bozzetto_car.dimensions import LONGEST, Dimensions
+from bozzetto_car.template.line_joints import LineJoint
 from bozzetto_car.template.loader import Bundled, bundled_file
 
 Point = tuple[float, float, float]
@@ -318,6 +319,10 @@ class CarState(PartsState):
         Name of the node or the edge whose tangents are shown to be dragged; "" for none.
     edits : tuple of BodyEdit
         Edits by hand in the order in which they were made.
+    joints : tuple of LineJoint
+        Lines that are sharp or smooth other than in the template.
+    flowing : tuple of str
+        Names of edges; the smooth line along each runs with one curvature (G2) over its nodes.
     without : tuple of str
         Names of the soundness constraints that are switched off.
     own : str
@@ -330,6 +335,8 @@ class CarState(PartsState):
     asked: str = ""
     revealed: str = ""
     edits: tuple[TracedEdges | MovedNode | BentEdge | Treatment, ...] = ()
+    joints: tuple[LineJoint, ...] = ()
+    flowing: tuple[str, ...] = ()
     without: tuple[str, ...] = ()
     own: str = ""
     template: Annotated[
@@ -452,7 +459,8 @@ class CarState(PartsState):
     @property
     def is_begun(self) -> bool:
         """Whether it is somebody's car: with a sketch, curve, edit, blend or own template."""
-        return bool(self.nodes or self.edits or self.template == "own" or self.blend != "none")
+        changed = self.edits or self.joints or self.flowing
+        return bool(self.nodes or changed or self.template == "own" or self.blend != "none")
 
     @property
     def sketches(self) -> tuple[Sketch, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -14,7 +14,15 @@ from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, exte
 from bozzetto.plugin import cached_property, override, remembered
 from bozzetto.view import Camera, triple
 from bozzetto.view.calibration import resect
-from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tangents
+from bozzetto_car.body.chain_smoothing import (
+    anneal,
+    lock_ratios,
+    own_edges,
+    shorten_tangents,
+    smooth_chains,
+    smooth_parts,
+    with_one_curvature,
+)
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
@@ -22,7 +30,7 @@ from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.body.edits_preview import OnPicture, carried
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
-from bozzetto_car.body.trace_edges import trace
+from bozzetto_car.body.trace_edges import Line, trace_all
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
 from bozzetto_car.solver.initial_cameras import counted_marks
@@ -30,6 +38,7 @@ from bozzetto_car.solver.nodes_on_mesh import FEWEST
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.blend import can_blend
+from bozzetto_car.template.line_joints import with_joints
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, node_called, with_positions
 
@@ -46,7 +55,11 @@ DRAWN: Final = 1e2
 when the lengths of tangents are adjusted for smooth surfaces."""
 
 IN_HAND: Final = 1e4
-"""Firmness of the edge that was drawn last: it stays where the pen has put it."""
+"""Firmness of the edge that was bent last, and of all edges that strokes hold: they stay where the
+pen has put them."""
+
+HELD: Final = 1.0
+"""Standard deviation of a movement of nodes that would change a kept dimension, mm."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +96,8 @@ class Body:
         Dimensions that it was brought to; none given if it is as it was drawn.
     dimensions_problem : str
         Why the body cannot have the dimensions that are wanted; "" if it can.
+    is_carried : bool
+        Whether edits were not made again, but carried over from another body; see `preview_of`.
     """
 
     network: Network
@@ -92,6 +107,7 @@ class Body:
     troubles: tuple[Trouble, ...] = ()
     world: Dimensions = Dimensions()
     dimensions_problem: str = ""
+    is_carried: bool = False
 
     @property
     def template(self) -> Template:
@@ -151,7 +167,7 @@ def body_of(state: CarState, before: CarState | None = None) -> Body:
     body, wanted = unstretched_body_of(state, before), state.dimensions
     if not wanted.given() or body.dimensions_problem:
         return body
-    return _finished(body, wanted)
+    return _flowing(_finished(body, wanted), state.flowing, state.smooth)
 
 
 def is_shown(state: CarState, body: Body) -> bool:
@@ -243,7 +259,13 @@ def _dimensions_at_rest(state: CarState) -> Dimensions:
 @remembered(
     limit=FIRST_SEEN,
     key=lambda state: (
-        (_Same(state.edits), state.smooth, state.default_shape, state.annealed, state.lock)
+        _Same(state.edits),
+        state.smooth,
+        state.default_shape,
+        state.annealed,
+        state.lock,
+        state.joints,
+        state.flowing,
     ),
 )
 def _first_seen(state: CarState) -> CarState:
@@ -257,24 +279,89 @@ def unstretched_body_of(state: CarState, before: CarState | None = None) -> Body
     While a mark is dragged, or the share of two templates, edits are not repeated: their effect on
     `before` is carried over.
     """
+    return _flowing(_drawn(state, before), state.flowing, state.smooth)
+
+
+@remembered(limit=REMEMBERED)
+def _flowing(body: Body, names: tuple[str, ...], smooth: bool) -> Body:
+    """Return a body in which the smooth lines along some edges run with one curvature."""
+    edges = {edge for name in names if (edge := _edge_if_any(body.template, name)) is not None}
+    if not edges:
+        return body
+    network = with_one_curvature(body.network, edges)
+    if smooth:
+        held = [
+            edge
+            for chain, first, last in smooth_parts(body.template)
+            for edge in own_edges(body.template, chain.edges[first:last])
+            if edges.intersection(own_edges(body.template, chain.edges[first:last]))
+        ]
+        network = lock_ratios(network, _firmness(body, _with_images(body.template, tuple(held))))
+    return replace(body, network=network)
+
+
+def _edge_if_any(template: Template, name: str) -> int | None:
+    try:
+        (edge,) = own_edges(template, (edge_called(template, name),))
+    except UserError:  # another template has no such edge
+        return None
+    return edge
+
+
+def _drawn(state: CarState, before: CarState | None) -> Body:
+    """Return the body of a car with its edits, unstretched."""
     try:
         base = solve_car(state, before)
     except UserError as problem:
         if not (state.lock and state.dimensions.given()):
             raise
-        loose = unstretched_body_of(replace(state, lock=False), before)
+        loose = _drawn(replace(state, lock=False), before)
         return replace(loose, dimensions_problem=problem.message)
-    if before is not None and state.edits and state.edits is before.edits:
-        old = unstretched_body_of(before)
+    is_same = before is not None and state.edits is before.edits and state.joints == before.joints
+    if before is not None and state.edits and is_same:
+        old = _drawn(before, None)
         if old.solved is not base and can_blend(old.template, base.template):
             start = _deformed(base, state)
             return _carried(old, _right_after(old.solved, before), start, before)
     body = _right_after(base, state)
+    strokes: tuple[int, ...] = ()
+    made = 0
     for number, edit in enumerate(state.edits):
-        then = _car_then(edit, state)
-        moved = None if then is None else _moved_since(body.solved, state, then)
-        body = _edited(body, edit, number, state.smooth, moved)
-    return body
+        if isinstance(edit, TracedEdges):
+            strokes, made = (*strokes, number), made + 1
+            continue
+        if made:
+            body, made = _with_strokes(body, state, strokes), 0
+        body = _edited(body, edit, number, state.smooth, _moved_for(edit, body, state))
+        strokes = _left_alone(strokes, edit, state.edits, body.template)
+    return _with_strokes(body, state, strokes) if made else body
+
+
+def _left_alone(
+    strokes: tuple[int, ...], edit: Edit, edits: tuple[Edit, ...], template: Template
+) -> tuple[int, ...]:
+    """Return the numbers of strokes whose edges another edit leaves where they were drawn.
+
+    A later stroke does not bring the others back to theirs.
+    """
+    if isinstance(edit, Treatment):
+        return ()
+    try:
+        if isinstance(edit, MovedNode):
+            node = node_called(template, edit.node)
+            ends = {node, int(template.mirrored[node])}
+            touched = {
+                edge for edge, own in enumerate(template.edges.tolist()) if ends.intersection(own)
+            }
+        else:
+            assert isinstance(edit, BentEdge)
+            touched = set(_with_images(template, (edge_called(template, edit.edge),)))
+    except UserError:  # another template has no such node or edge, and the edit was left out
+        return strokes
+    names = {template.edge_names[edge] for edge in touched}
+    names |= {"-".join(reversed(name.split("-"))) for name in names}
+    traced = {number: edit for number, edit in enumerate(edits) if isinstance(edit, TracedEdges)}
+    return tuple(number for number in strokes if names.isdisjoint(traced[number].edges))
 
 
 class _Same:
@@ -302,7 +389,9 @@ class _Same:
 
 @remembered(
     limit=REMEMBERED,
-    key=lambda base, state: (base, state.default_shape, state.annealed, state.smooth),
+    key=lambda base, state: (
+        (base, state.default_shape, state.annealed, state.smooth, state.joints)
+    ),
 )
 def _right_after(base: Solved, state: CarState) -> Body:
     return _deformed(base, state)
@@ -310,12 +399,15 @@ def _right_after(base: Solved, state: CarState) -> Body:
 
 def _deformed(base: Solved, state: CarState) -> Body:
     """Return the network right after deformation, as a body without edits."""
+    template = with_joints(base.template, state.joints)
     if base.mesh is not None:
-        network = network_on_mesh(base.template, base.positions, base.mesh.mesh)
+        network = network_on_mesh(template, base.positions, base.mesh.mesh)
     elif state.annealed and base.joint is not None:
-        network = fair_network(base.template, base.positions)
+        network = fair_network(template, base.positions)
     else:
-        network = Network.of(base.template, base.positions)
+        network = Network.of(template, base.positions)
+    if state.joints:
+        network = smooth_chains(network)
     if state.default_shape and base.joint is not None:
         network = pull_out_panels(network)
     return Body(lock_ratios(network) if state.smooth else network, base)
@@ -380,6 +472,12 @@ def _car_then(edit: Edit, state: CarState) -> CarState | None:
     )  # fmt: skip
 
 
+def _moved_for(edit: Edit, body: Body, state: CarState) -> _Moved | None:
+    """Return how the car has moved since an edit was made in space; None where it has not."""
+    then = _car_then(edit, state)
+    return None if then is None else _moved_since(body.solved, state, then)
+
+
 def _moved_since(now: Solved, state: CarState, then: CarState) -> _Moved | None:
     """Return how a solved car has moved since it was solved for other dimensions, or for none."""
     if now.joint is None:  # nothing is solved, whatever is kept
@@ -393,7 +491,7 @@ def _moved_since(now: Solved, state: CarState, then: CarState) -> _Moved | None:
 @remembered(
     limit=FIRST_SEEN,
     key=lambda now, then, state, wanted: (
-        (now, then, wanted, state.default_shape, state.annealed, state.smooth)
+        (now, then, wanted, state.default_shape, state.annealed, state.smooth, state.joints)
     ),
 )
 def _moved(now: Solved, then: Solved, state: CarState, wanted: Dimensions) -> _Moved:
@@ -433,7 +531,7 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool, moved: _Moved | N
     try:
         map_ = _map_to(body.network, edit.dimensions) if moved is None else moved.back
         there = body.network if map_ is None else stretch(body.network, map_)
-        network, edges = _changed(there, edit, body, 0.0 if moved is None else moved.along)
+        network, edges = _changed(there, edit)
     except UserError as problem:
         return replace(body, troubles=(*body.troubles, Trouble(number, problem.message)))
     in_hand = _with_images(body.template, edges)
@@ -441,17 +539,90 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool, moved: _Moved | N
         network = lock_ratios(network, _firmness(body, in_hand))
     if map_ is not None:
         network = undo_stretch(body.network, there, network, map_)
-    traced = body.traced
-    if isinstance(edit, TracedEdges):
-        traced = (*traced, (number, edges))
-    return replace(body, network=network, drawn=body.drawn | in_hand, traced=traced)
+    return replace(body, network=network, drawn=body.drawn | in_hand)
+
+
+@remembered(
+    limit=REMEMBERED,
+    key=lambda body, state, strokes: (
+        body,
+        tuple((number, _Same(state.edits[number])) for number in strokes),
+        (state.smooth, state.default_shape, state.annealed, state.joints),
+        (state.lock, state.dimensions),
+    ),
+)
+def _with_strokes(body: Body, state: CarState, strokes: tuple[int, ...]) -> Body:
+    """Return a body after strokes, all of them at once; those that are impossible are left out."""
+    lines: list[Line] = []
+    numbers: list[int] = []
+    problems: dict[int, str] = {}
+    moves: dict[Hashable, _Moved | None] = {}
+    for number in strokes:
+        edit = state.edits[number]
+        assert isinstance(edit, TracedEdges)
+        world = (edit.dimensions, edit.kept, bool(edit.sketch))
+        if world not in moves:
+            moves[world] = _moved_for(edit, body, state)
+        try:
+            lines.append(_line(body, edit, moves[world]))
+        except UserError as problem:
+            problems[number] = problem.message
+        else:
+            numbers.append(number)
+    made = trace_all(body.network, lines, even=state.smooth, information=_information(body.solved))
+    problems |= {numbers[at]: message for at, message in made.problems.items()}
+    known = {trouble.number for trouble in body.troubles}
+    troubles = [Trouble(at, message) for at, message in problems.items() if at not in known]
+    edges = {
+        numbers[at]: tuple(max(edge, ~edge) for edge in run.edges) for at, run in made.runs.items()
+    }
+    in_hand = _with_images(body.template, tuple(edge for row in edges.values() for edge in row))
+    network = lock_ratios(made.network, _firmness(body, in_hand)) if state.smooth else made.network
+    return replace(
+        body,
+        network=network,
+        drawn=body.drawn | in_hand,
+        traced=tuple(sorted((dict(body.traced) | edges).items())),
+        troubles=tuple(sorted((*body.troubles, *troubles), key=lambda trouble: trouble.number)),
+    )
+
+
+def _line(body: Body, edit: TracedEdges, moved: _Moved | None) -> Line:
+    """Return a stroke as the network of a body is fitted to it.
+
+    Raises
+    ------
+    UserError
+        If its sketch is gone, or the body cannot have the dimensions that it was drawn in.
+    """
+    points, camera = drawn_through(body, edit)
+    map_ = _map_to(body.network, edit.dimensions) if moved is None else moved.back
+    if moved is not None and moved.along:
+        way = (moved.along, 0.0, 0.0)
+        eye, target = (triple(np.add(at, way)) for at in (camera.eye, camera.target))
+        camera = replace(camera, eye=eye, target=target)
+    edges = tuple(edge_called(body.template, name) for name in edit.edges)
+    return Line(points, camera, edges, edit.nodes_follow, edit.sketch, map_)
+
+
+@remembered(limit=FIRST_SEEN)
+def _information(solved: Solved) -> Array | None:
+    """Return what the marks and the template tell of the variables of a car, (q, q) mm⁻²."""
+    if solved.joint is None:
+        return None
+    span = solved.joint.span
+    told = span @ solved.joint.information @ span.T
+    if span.shape[0] == span.shape[1]:
+        return np.asarray(told)
+    within = span @ np.linalg.solve(span.T @ span, span.T)
+    return np.asarray(told + (np.eye(len(span)) - within) / HELD**2)
 
 
 def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
     """Return the body `start` with what the edits of a car changed from `old_start` to `old`."""
     traced = list(_on_pictures(old, start, before))
     network = carried(old.network, old_start.network, start.network, traced)
-    return replace(old, network=network, solved=start.solved)
+    return replace(old, network=network, solved=start.solved, is_carried=True)
 
 
 def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture]:
@@ -472,29 +643,16 @@ def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture
         yield OnPicture(edges, edit.nodes_follow, then, now, (shift[0], shift[1]))
 
 
-def _changed(
-    network: Network, edit: Edit, body: Body, along: float
-) -> tuple[Network, tuple[int, ...]]:
-    """Return a network after an edit, and the edges that the edit has drawn.
-
-    The car now stands `along` mm farther along x than when the edit was made.
-    """
+def _changed(network: Network, edit: Edit) -> tuple[Network, tuple[int, ...]]:
+    """Return a network after an edit that is no stroke, and the edges that it has drawn."""
     template = network.template
-    if isinstance(edit, TracedEdges):
-        points, camera = drawn_through(body, edit)
-        if along:
-            way = (along, 0.0, 0.0)
-            eye, target = (triple(np.add(at, way)) for at in (camera.eye, camera.target))
-            camera = replace(camera, eye=eye, target=target)
-        edges = tuple(edge_called(template, name) for name in edit.edges)
-        made = trace(network, points, camera, edges=edges, nodes_follow=edit.nodes_follow)
-        return made.network, tuple(max(edge, ~edge) for edge in made.run.edges)
     if isinstance(edit, MovedNode):
         node = node_called(template, edit.node)
         return with_positions(network, {node: network.positions[node] + edit.by}), ()
     if isinstance(edit, BentEdge):
         edge = edge_called(template, edit.edge)
         return bend_edge(network, edge, edit.end, edit.tangent), (edge,)
+    assert isinstance(edit, Treatment)
     if edit.kind == "anneal":
         return anneal(network), ()
     return (shorten_tangents(network) if edit.kind == "reduce" else pull_out_panels(network)), ()

@@ -123,14 +123,14 @@ def lock_ratios(network: Network, firmness: ArrayLike | None = None) -> Network:
     """
     template = network.template
     old = network.control_points
-    points = locked(old, template.sides, _joints(template), firmness)
+    points = locked(old, template.sides, smooth_joints(template), firmness)
     changed = (points[:, 1:3] != old[:, 1:3]).any(axis=2)
     tangents = np.where(changed[..., None], as_hermite(points)[1], network.tangents)
     return Network(template, network.positions, tangents) if changed.any() else network
 
 
 @lru_cache(maxsize=KNOWN)
-def _joints(template: Template) -> tuple[tuple[int, int], ...]:
+def smooth_joints(template: Template) -> tuple[tuple[int, int], ...]:
     """Return the smooth joints of a template in the notation of `crease`."""
     return tuple((_leaving(*one.before), _leaving(*one.after)) for one in junctions(template))
 
@@ -180,23 +180,66 @@ def anneal(network: Network, chains: Collection[str] | None = None) -> Network:
     chains : collection of str, optional
         Names of chains; all by default. Mirror images follow.
     """
-    template = network.template
-    left = set(template.pairs[:, 1].tolist())
-    changed = {}
-    for chain in template.chains:
-        if (chains is not None and chain.name not in chains) or left.issuperset(chain.nodes):
-            continue
-        for first, last in _smooth_parts(chain):
-            nodes, edges = chain.nodes[first : last + 1], chain.edges[first:last]
-            steps = _parameter_lengths(network, nodes, edges)
-            speeds = _natural_speeds(network.positions[list(nodes)], steps)
-            for at, (edge, step) in enumerate(zip(edges, steps, strict=True)):
-                begin, finish = step * speeds[at], step * speeds[at + 1]
-                if edge >= 0:
-                    changed[edge, 0], changed[edge, 1] = begin, finish
-                else:
-                    changed[~edge, 0], changed[~edge, 1] = -finish, -begin
+    changed: dict[tuple[int, int], Array] = {}
+    for chain, first, last in smooth_parts(network.template):
+        if chains is None or chain.name in chains:
+            changed |= _bent_least(network, chain, first, last)
     return with_tangents(network, changed)
+
+
+def with_one_curvature(network: Network, edges: Collection[int]) -> Network:
+    """Return a network in which the smooth lines along some edges have no jumps of curvature (G2).
+
+    Each becomes the natural spline through its nodes, as in `anneal`, from one end of its smooth
+    part to the other. Nodes stay, and so does what the line is not smooth with.
+
+    Parameters
+    ----------
+    network : Network
+        The network to change.
+    edges : collection of int
+        An edge or more of each line, of either half.
+    """
+    changed: dict[tuple[int, int], Array] = {}
+    for chain, first, last in smooth_parts(network.template):
+        if own_edges(network.template, chain.edges[first:last]).intersection(
+            own_edges(network.template, edges)
+        ):
+            changed |= _bent_least(network, chain, first, last)
+    return with_tangents(network, changed)
+
+
+def own_edges(template: Template, edges: Collection[int]) -> set[int]:
+    """Return edges of the right half or the middle: those given, or their mirror images."""
+    image = template.mirrored_edges
+    plain = [max(edge, ~edge) for edge in edges]
+    return {min(edge, int(max(image[edge], ~image[edge]))) for edge in plain}
+
+
+def _bent_least(
+    network: Network, chain: Chain, first: int, last: int
+) -> dict[tuple[int, int], Array]:
+    """Return the tangents of a smooth part of a chain with the least bending."""
+    changed = {}
+    nodes, edges = chain.nodes[first : last + 1], chain.edges[first:last]
+    steps = _parameter_lengths(network, nodes, edges)
+    speeds = _natural_speeds(network.positions[list(nodes)], steps)
+    for at, (edge, step) in enumerate(zip(edges, steps, strict=True)):
+        begin, finish = step * speeds[at], step * speeds[at + 1]
+        if edge >= 0:
+            changed[edge, 0], changed[edge, 1] = begin, finish
+        else:
+            changed[~edge, 0], changed[~edge, 1] = -finish, -begin
+    return changed
+
+
+def smooth_parts(template: Template) -> Iterator[tuple[Chain, int, int]]:
+    """Yield chains, but for the left side, with the first and last node of each smooth part."""
+    left = set(template.pairs[:, 1].tolist())
+    for chain in template.chains:
+        if not left.issuperset(chain.nodes):
+            for first, last in _smooth_parts(chain):
+                yield chain, first, last
 
 
 def _smooth_parts(chain: Chain) -> Iterator[tuple[int, int]]:

@@ -17,7 +17,7 @@ from bozzetto.errors import UserError
 from bozzetto.ink import places_on_sheet
 from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains
-from bozzetto_car.body.edge_fit import UNSEEN, project_points
+from bozzetto_car.body.edge_pictures import UNSEEN, project_points
 from bozzetto_car.camera.rational_projection import (
     camera_matrix,
     largest_scale,

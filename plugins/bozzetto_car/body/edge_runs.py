@@ -21,7 +21,7 @@ from bozzetto.ink import (
     resample,
 )
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_fit import edge_pictures
+from bozzetto_car.body.edge_pictures import edge_pictures
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network

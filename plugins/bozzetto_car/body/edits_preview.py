@@ -18,7 +18,7 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.drag import drag_places
-from bozzetto_car.body.edge_fit import edge_pictures, project_points
+from bozzetto_car.body.edge_pictures import edge_pictures, project_points
 from bozzetto_car.body.trace_edges import NEAR_END
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents
 

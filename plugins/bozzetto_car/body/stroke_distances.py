@@ -7,7 +7,9 @@ joint, dimensions) may move its edge.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto_car.body.build import Body
 from bozzetto_car.body.edge_runs import find_run
@@ -15,6 +17,50 @@ from bozzetto_car.body.edit_list import Edits
 from bozzetto_car.body.trace_edges import Traced
 from bozzetto_car.state import TracedEdges
 from bozzetto_car.template.network import edge_called
+
+
+@dataclass(frozen=True, eq=False)
+class Miss:
+    """A stroke along an edge, and how far the body is from it at most.
+
+    Attributes
+    ----------
+    edge : str
+        Name of the edge.
+    px : float
+    place : (2,) float
+        Where that is, px of the sketch's camera.
+    points : (k, 2) float
+        The part of the stroke along this edge, px of the sketch's camera.
+    """
+
+    edge: str
+    px: float
+    place: Array
+    points: Array
+
+
+def misses_of(body: Body, edits: Edits, sketch: str) -> tuple[Miss, ...]:
+    """Return the strokes of a sketch along the edges of a body; see `stroke_distances`."""
+    through = body.sketch_cameras.get(sketch)
+    left_out = {trouble.number for trouble in body.troubles}
+    found: dict[str, Miss] = {}
+    for number, edit in enumerate(edits):
+        if not isinstance(edit, TracedEdges) or edit.sketch != sketch or number in left_out:
+            continue
+        if through is None:
+            break
+        try:
+            meant = tuple(edge_called(body.template, name) for name in edit.edges)
+            points = edit.strokes[0].points - through.shift
+            run = find_run(body.network, points, through.camera, meant)
+        except UserError:  # nothing of it is seen any more
+            continue
+        far = Traced(body.network, run, through.camera).farthest
+        for edge, part, (px, place) in zip(run.edges, run.parts, far, strict=True):
+            name = body.template.edge_names[max(edge, ~edge)]
+            found[name] = Miss(name, px, place, part)
+    return tuple(found.values())
 
 
 def stroke_distances(body: Body, edits: Edits, sketch: str) -> Mapping[str, float]:
@@ -35,21 +81,4 @@ def stroke_distances(body: Body, edits: Edits, sketch: str) -> Mapping[str, floa
     mapping of str to float
         The largest distance on the sketch, on the stretch that the stroke runs beside.
     """
-    through = body.sketch_cameras.get(sketch)
-    left_out = {trouble.number for trouble in body.troubles}
-    found: dict[str, float] = {}
-    for number, edit in enumerate(edits):
-        if not isinstance(edit, TracedEdges) or edit.sketch != sketch or number in left_out:
-            continue
-        if through is None:
-            break
-        try:
-            meant = tuple(edge_called(body.template, name) for name in edit.edges)
-            points = edit.strokes[0].points - through.shift
-            run = find_run(body.network, points, through.camera, meant)
-        except UserError:  # nothing of it is seen any more
-            continue
-        off = Traced(body.network, run, through.camera).deviations
-        names = (body.template.edge_names[max(edge, ~edge)] for edge in run.edges)
-        found |= dict(zip(names, off, strict=True))
-    return found
+    return {miss.edge: miss.px for miss in misses_of(body, edits, sketch)}

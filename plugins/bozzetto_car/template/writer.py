@@ -85,6 +85,8 @@ def template_file(
             record["at"] = network.positions[number].tolist()
             record["picture"] |= _seen(placed, number)
     told["edges"] = {key: _tangents(network, key, right) for key in told["edges"]}
+    if template.chains != read_template(source.encode()).chains:
+        told["chains"] = _chains(template)
     if "creases" in told:
         told["creases"] += _broken(network, told["edges"], right)
     kept = (rule for rule in template.rules if rule.name not in without)
@@ -116,6 +118,25 @@ def _tangents(network: Network, key: str, right: dict[str, int]) -> list[list[fl
     own = network.tangents[edge] if edge >= 0 else -network.tangents[~edge][::-1]
     rows: list[list[float]] = own.tolist()
     return rows
+
+
+def _chains(template: Template) -> dict[str, Any]:
+    """Return the chains as a file has them: the right half, and only where one is smooth."""
+    found = {}
+    left = set(template.pairs[:, 1].tolist())
+    names = [name.removesuffix(".R") for name in template.names]
+    for chain in template.chains:
+        if left.issuperset(chain.nodes) or chain.name.endswith(".L") or not chain.smooth:
+            continue
+        nodes = chain.nodes
+        if nodes[0] == template.mirrored[nodes[-1]] and nodes[0] != nodes[-1]:
+            half = nodes[len(nodes) // 2 :]
+            nodes = half if half[-1] not in left else nodes[len(nodes) // 2 :: -1]
+        found[chain.name.removesuffix(".R")] = {
+            "nodes": [names[node] for node in nodes],
+            "smooth": [names[node] for node in nodes if node in chain.smooth],
+        }
+    return found
 
 
 def _broken(network: Network, keys: Collection[str], right: dict[str, int]) -> list[str]:

@@ -7,10 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink, Tool, override
 from bozzetto.scene import Layer, Scene
+from bozzetto.view import Camera
 from bozzetto_car.body.build import (
     Body,
     body_in_work,
@@ -22,10 +24,13 @@ from bozzetto_car.body.build import (
 )
 from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
+from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges
+from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import edge_items
 from bozzetto_car.view.picking import edges_under
+from bozzetto_car.view.stroke_items import TRACE_TOOL
 from bozzetto_car.view.view_advice import camera_looked_through, cars_seen
 
 Seen = tuple[CarState, ...]
@@ -37,14 +42,15 @@ class TraceEdges(Tool[CarState]):
     """The tool that bends edges to strokes; the other side of the car follows.
 
     A stroke on the sketch is kept in the pixels of its picture: it stays on the line that it
-    traces when the camera changes. The eraser takes back the last stroke or drag that bent the
-    edge under it.
+    traces when the camera changes. While this tool is in the hand it is shown with its distance
+    from the body; drawn again along the same edge, it takes the place of the last one. The eraser
+    takes back the last stroke or drag that bent the edge under it.
     """
 
-    id = "trace"
+    id = TRACE_TOOL
     title = "Trace edges"
     icon = "icons/trace.svg"
-    hint = "Draw along an edge where it is to run. The eraser takes back what bent an edge."
+    hint = "Draw along an edge where it is to run. Draw again to correct; the eraser takes back."
 
     @override
     def preview(self, state: CarState, gesture: Gesture, context: Context) -> Scene:
@@ -92,10 +98,29 @@ def _traced(state: CarState, stroke: Stroke, seen: Seen) -> tuple[CarState, Trac
     edit = _edit_of(state, body, stroke, seen)
     unstretched = unstretched_body_of(state)
     points, camera = drawn_through(unstretched, edit)
-    run = find_run(in_world_of(unstretched, edit), points, camera)
-    names = tuple(body.template.edge_names[max(edge, ~edge)] for edge in run.edges)
-    edit = replace(edit, edges=names)
+    there = in_world_of(unstretched, edit)
+    run = find_run(there, points, camera)
+    edges = tuple(max(edge, ~edge) for edge in run.edges)
+    names = tuple(body.template.edge_names[edge] for edge in edges)
+    # A stroke that takes the place of another one holds the nodes that the other one held.
+    held = any(
+        isinstance(other, TracedEdges) and other.sketch == edit.sketch and other.nodes_follow
+        and not {*names}.isdisjoint(other.edges) for other in state.edits
+    )  # fmt: skip
+    edit = replace(
+        edit, edges=names, nodes_follow=edit.nodes_follow or (held and bool(edit.sketch))
+    )
+    if unstretched.drawn.issuperset(edges) and _is_followed(there, points, camera, edges):
+        return state, edit
     return replace(state, edits=(*state.edits, edit)), edit
+
+
+def _is_followed(network: Network, points: Array, camera: Camera, edges: tuple[int, ...]) -> bool:
+    """Whether edges are seen along a stroke already, so that it has nothing to add."""
+    try:
+        return trace(network, points, camera, edges=edges).network is network
+    except UserError:
+        return False
 
 
 def _edit_of(state: CarState, body: Body, stroke: Stroke, seen: Seen) -> TracedEdges:

@@ -46,7 +46,8 @@ ALONG: Final = 16
 CROSS: Final = 0.006
 """Half the width of a cross, in diagonals of the picture."""
 
-HIDDEN_MEANWHILE: Final = ("body", "wheels", "nodes", "network", "handles", "angles", "styling")
+HIDDEN_MEANWHILE: Final = ("body", "wheels", "nodes", "network", "handles", "angles", "styling",
+                           "strokes")  # fmt: skip
 """Layers that show the car as it was before a mark moved."""
 
 

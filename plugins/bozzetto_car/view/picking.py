@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from bozzetto.arrays import Array
 from bozzetto.ink import distances_to_polyline, resample
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_fit import edge_pictures, project_points
+from bozzetto_car.body.edge_pictures import edge_pictures, project_points
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.template.network import Network
 

@@ -28,8 +28,10 @@ from bozzetto_car.view.edge_items import (
     node_items,
     sources_of,
 )
+from bozzetto_car.view.joint_items import joint_layer
 from bozzetto_car.view.mark_items import mark_layers
 from bozzetto_car.view.mesh_items import mesh_layers
+from bozzetto_car.view.stroke_items import stroke_layers
 from bozzetto_car.view.surface_colors import certainty_colors, curvature_colors
 
 DIVISIONS: Final = 12
@@ -44,7 +46,7 @@ SHUT: Final = (74, 70, 66)
 SHUT_WIDTH: Final = 1.2
 """Width of shut lines, px."""
 
-SKETCH_LAYERS: Final = ("sketch", "marks")
+SKETCH_LAYERS: Final = ("sketch", "marks", "strokes")
 """Layers that make sense only in a view through a sketch's camera."""
 
 
@@ -58,9 +60,10 @@ def scene_of(state: CarState, body: Body | None) -> Scene:
         return Scene()
     layers = [Layer("sketch", tuple(_picture(state.sketch, body)), chosen=True)]
     if is_shown(state, body):
-        layers += body_layers(state, body)
+        layers += [*body_layers(state, body), joint_layer(state, body)]
     layers.append(Layer("styling", styling_items(state, body)))
     layers.append(Layer("chosen styling", chosen_styling(state, body), chosen=True))
+    layers += stroke_layers(state, body)
     layers += mark_layers(state, body)
     layers += mesh_layers(state)
     return Scene(tuple(layer for layer in layers if layer.items))

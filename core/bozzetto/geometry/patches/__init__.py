@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from bozzetto.geometry.patches.coons import sides_of as sides_of
     from bozzetto.geometry.patches.crease import SMOOTH as SMOOTH
     from bozzetto.geometry.patches.crease import crease_angles as crease_angles
+    from bozzetto.geometry.patches.crease import joint_rows as joint_rows
     from bozzetto.geometry.patches.crease import locked as locked
     from bozzetto.geometry.patches.curvature import Curvatures as Curvatures
     from bozzetto.geometry.patches.curvature import grid_curvatures as grid_curvatures
@@ -32,7 +33,7 @@ else:
         {
             "bozzetto.geometry.patches.closest_points": "foot_points",
             "bozzetto.geometry.patches.coons": "coons_nets sides_of",
-            "bozzetto.geometry.patches.crease": "SMOOTH crease_angles locked",
+            "bozzetto.geometry.patches.crease": "SMOOTH crease_angles joint_rows locked",
             "bozzetto.geometry.patches.curvature": "Curvatures grid_curvatures",
             "bozzetto.geometry.patches.patch": "Places bernstein extent grid normals_at points_at",
             "bozzetto.geometry.patches.patchwork": "Patchwork",

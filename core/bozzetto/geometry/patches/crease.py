@@ -117,7 +117,7 @@ def locked(
     lengths = np.linalg.norm(made[:, [1, 2]] - made[:, [0, 3]], axis=2).tolist()
     firm = [1.0] * len(made) if firmness is None else np.asarray(firmness, float).tolist()
     signed = np.asarray(sides, np.intp)
-    for row in _rows(signed.tobytes(), len(signed), joints):
+    for row in joint_rows(signed, joints):
         found = {number: _ratio(lengths, joints[number]) for number in row}
         pairs = {number: tuple(firm[max(end, ~end)] for end in joints[number]) for number in row}
         # A joint whose two lengths give way best to a change of their ratio resists it so much.
@@ -145,6 +145,26 @@ def _stretch(edges: Array, end: int, share: float) -> None:
     """Scale the tangent in one end of an edge."""
     edge, node, inner = (end, 0, 1) if end >= 0 else (~end, 3, 2)
     edges[edge, inner] = edges[edge, node] + share * (edges[edge, inner] - edges[edge, node])
+
+
+def joint_rows(sides: ArrayLike, joints: tuple[Joint, ...]) -> tuple[dict[int, float], ...]:
+    """Return the rows of joints that need one ratio of lengths, as in `locked`.
+
+    Parameters
+    ----------
+    sides : (k, 4) array_like of int
+        As in `coons_nets`.
+    joints : tuple of (int, int)
+        No end of an edge is in two of them.
+
+    Returns
+    -------
+    tuple of dict of int to float
+        For each row the numbers of its joints, each with 1, or -1 where the inverse of its ratio
+        counts.
+    """
+    signed = np.asarray(sides, np.intp)
+    return _rows(signed.tobytes(), len(signed), joints)
 
 
 @lru_cache(KNOWN)

@@ -293,7 +293,7 @@ def test_a_look_computes_nothing_again(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("computed again")
 
-    for name in ("trace", "reshaping_of", "lock_ratios"):
+    for name in ("trace_all", "reshaping_of", "lock_ratios"):
         monkeypatch.setattr(body_module, name, never)
     for look in (
         {"shading": "zebra"}, {"creases": True}, {"network": False}, {"revealed": "C3"},
@@ -330,7 +330,7 @@ def test_while_a_share_of_templates_is_dragged_edits_are_carried_along(
     later = replace(state, share=share)
     plain = body_of(replace(later, edits=()))
     with monkeypatch.context() as context:
-        context.setattr(body_module, "trace", None)
+        context.setattr(body_module, "trace_all", None)
         carried = preview_of(later)
     exact = body_of(later)
     assert carried.template is exact.template

@@ -37,8 +37,8 @@ def test_the_report_tells_of_every_stroke_of_a_file(name: str) -> None:
     off = [view["stroke_px"] for view in views]
     assert [{*told} for told in off] == [{*view["strokes"]} for view in facts["views"]]
     every = np.concatenate([[*told.values()] for told in off])
-    assert np.median(every) <= 1.5
-    assert every.max() <= 8.0
+    assert np.median(every) <= 1.0
+    assert every.max() <= 2.5
 
 
 def test_it_is_the_distance_on_the_sketch_and_grows_when_a_node_is_moved() -> None:

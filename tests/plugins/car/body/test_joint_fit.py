@@ -1,4 +1,4 @@
-"""One cubic fitted to strokes: derivatives, the paper's formula, least surprise."""
+"""Edges fitted to strokes: what they follow, what stays, and the paper's cubic beside them."""
 
 from __future__ import annotations
 
@@ -8,22 +8,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from bozzetto.ink import arc_length, lift_curve
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body.edge_fit import (
-    Sighting,
-    fit_edge,
-    four_point_cubic,
-    paper_cubic,
-)
+from bozzetto_car.body.joint_fit import JointFit, Sighting
+from bozzetto_car.camera.rational_projection import camera_matrix
+from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import MIRROR
+from bozzetto_car.template.network import Network, edge_called, with_positions, with_tangents
 from tests.plugins.car.traced_car import curve, drawn, view
 
 Array = NDArray[np.float64]
 Kind = Literal["perspective", "orthographic"]
 
 EDGE = np.array([[1200.0, 700, 900], [1600, 760, 960], [2100, 800, 950], [2500, 830, 930]])
-ALL = np.eye(3), np.eye(3)
 KINDS: tuple[Kind, ...] = ("perspective", "orthographic")
 
 
@@ -35,9 +33,57 @@ def off(camera: Camera, points: Array, stroke: Array) -> float:
     )
 
 
-def test_the_cubic_through_four_points() -> None:
-    points = np.random.default_rng(1).normal(0, 1e3, (4, 3))
-    assert np.abs(curve(four_point_cubic(points), 4) - points).max() < 1e-9
+def standing(points: Array, name: str) -> Network:
+    """A sedan in which one edge has these Bézier points."""
+    network = Network.of(bundled("sedan"))
+    edge = edge_called(network.template, name)
+    start, end = network.template.edges[edge].tolist()
+    network = with_positions(network, {start: points[0], end: points[3]})
+    legs = 3.0 * (points[[1, 3]] - points[[0, 2]])
+    return with_tangents(network, {(edge, end): legs[end] for end in (0, 1)})
+
+
+def seen(stroke: Array, camera: Camera, edge: int, flip: Array) -> Sighting:
+    """A stroke whose samples count alike, twenty in all."""
+    matrices = np.repeat((camera_matrix(camera) * np.append(flip, 1.0))[None], 4, axis=0)
+    return Sighting(edge, stroke, np.full(len(stroke), 20.0 / len(stroke)), matrices)
+
+
+def fitted(
+    points: Array,
+    *strokes: Array,
+    camera: Camera,
+    name: str = "S3.R-S2.R",
+    image: Array | None = None,
+) -> Array:
+    """The edge after strokes along it, and one along its image on the other side."""
+    network = standing(points, name)
+    edge = edge_called(network.template, name)
+    assert np.allclose(network.control_points[edge], points)
+    sightings = [seen(stroke, camera, edge, np.ones(3)) for stroke in strokes]
+    sightings += [] if image is None else [seen(image, camera, edge, MIRROR)]
+    found = JointFit(network, sightings, (), (), np.zeros((0, 0))).solved()
+    made = network.control_points[edge].copy()
+    if found is not None:
+        made[1] = made[0] + found[1][0, 0] / 3.0
+        made[2] = made[3] - found[1][0, 1] / 3.0
+    return made
+
+
+def paper_cubic(old: Array, stroke: Array, camera: Camera) -> Array:
+    """The edge as Kara and Shimada trace it: through two points of the stroke, where the old edge
+    has its thirds, lifted to the places on their rays nearest to it, and both ends."""
+    along = arc_length(drawn(camera, old, 301))
+    share = along[[100, 200]] / along[-1]
+    length = arc_length(stroke)
+    goals = [np.interp(share * length[-1], length, stroke[:, axis]) for axis in (0, 1)]
+    first, last = lift_curve(curve(old, 4)[1:3], camera, np.column_stack(goals))
+    return np.stack((
+        old[0],
+        (-5.0 * old[0] + 18.0 * first - 9.0 * last + 2.0 * old[3]) / 6.0,
+        (2.0 * old[0] - 9.0 * first + 18.0 * last - 5.0 * old[3]) / 6.0,
+        old[3],
+    ))  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -61,7 +107,7 @@ def test_its_own_picture_changes_nothing(kind: Kind) -> None:
         camera = view(azimuth, 12.0, kind)
         stroke = drawn(camera, EDGE, 70)
         for way in (stroke, stroke[::-1], stroke[20:50], stroke[::9]):
-            made = fit_edge(EDGE, [Sighting(way, camera, np.ones(3))], ALL)
+            made = fitted(EDGE, way, camera=camera)
             assert np.abs(made - EDGE).max() < 1e-6
 
 
@@ -75,7 +121,7 @@ def test_the_whole_edge_follows_and_does_so_better_than_the_paper(kind: Kind) ->
         aim[1:3] += rng.normal(0, 120, (2, 3))
         stroke = drawn(camera, aim, 150)
         start = paper_cubic(EDGE, stroke, camera)
-        made = fit_edge(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL, start)
+        made = fitted(EDGE, stroke, camera=camera)
         ours.append(off(camera, made, stroke))
         papers.append(off(camera, start, stroke))
         assert np.array_equal(made[[0, 3]], EDGE[[0, 3]])
@@ -87,7 +133,7 @@ def test_the_whole_edge_follows_and_does_so_better_than_the_paper(kind: Kind) ->
 def test_what_the_view_does_not_see_stays(kind: Kind) -> None:
     camera = view(70.0, 10.0, kind)
     aim = EDGE + np.array([[0, 0, 0], [0, 0, 150], [0, 0, 100], [0, 0, 0]])
-    made = fit_edge(EDGE, [Sighting(drawn(camera, aim), camera, np.ones(3))], ALL)
+    made = fitted(EDGE, drawn(camera, aim), camera=camera)
     for old, new, node in zip(EDGE[1:3], made[1:3], EDGE[[0, 3]], strict=True):
         ray = camera.rays(camera.project(old[None])[0]).directions[0]
         tangent = (old - node) / np.linalg.norm(old - node)
@@ -105,17 +151,16 @@ def test_a_tremor_does_not_push_an_edge_off_its_line(kind: Kind) -> None:
     for _ in range(15):
         waves = np.cos(at * np.arange(4)) @ rng.normal(0, 1, (4, 2))
         stroke = drawn(camera, EDGE, 80) + 2.0 * waves / np.sqrt((waves**2).mean())
-        made = fit_edge(EDGE, [Sighting(stroke, camera, np.ones(3))], ALL)
+        made = fitted(EDGE, stroke, camera=camera)
         assert distances_to_polyline(curve(made), curve(EDGE, 400)).max() < 50.0
 
 
 def test_a_plane_seen_edge_on_gives_no_depth() -> None:
     """From the front, a stroke cannot tell how far back a profile of the middle bulges."""
     edge = EDGE * [1.0, 0.0, 1.0]
-    in_plane = np.eye(3)[:, [0, 2]], np.eye(3)[:, [0, 2]]
     camera = view(1.0, 8.0)
     stroke = drawn(camera, edge) + np.array([3.0, 0.0])
-    made = fit_edge(edge, [Sighting(stroke, camera, np.ones(3))], in_plane)
+    made = fitted(edge, stroke, camera=camera, name="C1-C2")
     assert np.abs(made - edge)[:, 1].max() == 0.0
     for old, new in zip(edge[1:3], made[1:3], strict=True):
         ray = camera.rays(camera.project(old[None])[0]).directions[0]
@@ -123,16 +168,15 @@ def test_a_plane_seen_edge_on_gives_no_depth() -> None:
 
 
 def test_handles_move_only_where_they_may() -> None:
-    camera = view(60.0, 20.0)
-    aim = EDGE + np.array([[0, 0, 0], [80, 50, 150], [0, 40, 100], [0, 0, 0]])
-    across = np.array([[0.0], [1.0], [0.0]])
-    sighting = Sighting(drawn(camera, aim), camera, np.ones(3))
-    made = fit_edge(EDGE, [sighting], (across, np.zeros((3, 0))))
-    assert np.array_equal(made[1, [0, 2]], EDGE[1, [0, 2]])
-    assert made[1, 1] != EDGE[1, 1]
-    assert np.array_equal(made[2], EDGE[2])
-    nothing = np.zeros((3, 0))
-    assert np.array_equal(fit_edge(EDGE, [sighting], (nothing, nothing)), EDGE)
+    """An edge that crosses the middle smoothly leaves it at a right angle."""
+    camera, arch = view(30.0, 25.0), EDGE.copy()
+    arch[0] = (1150.0, 0.0, 950.0)
+    arch[1] = (1150.0, 300.0, 950.0)
+    aim = arch + np.array([[0, 0, 0], [80, 50, 150], [0, 40, 100], [0, 0, 0]])
+    made = fitted(arch, drawn(camera, aim), camera=camera, name="C2-S2.R")
+    assert np.array_equal(made[1, [0, 2]], arch[1, [0, 2]])
+    assert made[1, 1] != arch[1, 1]
+    assert (made[2] != arch[2]).all()
 
 
 def test_two_sides_of_a_car_tell_the_depth() -> None:
@@ -140,11 +184,11 @@ def test_two_sides_of_a_car_tell_the_depth() -> None:
     aim = EDGE.copy()
     aim[1:3] += [[60.0, -70.0, 80.0], [-40.0, 60.0, 50.0]]
     camera = view(20.0, 35.0)
-    right = Sighting(drawn(camera, aim), camera, np.ones(3))
-    left = Sighting(drawn(camera, aim * MIRROR), camera, MIRROR)
-    one, both = (fit_edge(EDGE, data, ALL) for data in ([right], [right, left]))
-    assert off(camera, both, right.points) < 1.0
-    assert off(camera, both * MIRROR, left.points) < 1.0
+    right, left = drawn(camera, aim), drawn(camera, aim * MIRROR)
+    one = fitted(EDGE, right, camera=camera)
+    both = fitted(EDGE, right, camera=camera, image=left)
+    assert off(camera, both, right) < 1.0
+    assert off(camera, both * MIRROR, left) < 1.0
 
     def missed(points: Array) -> float:
         return float(np.linalg.norm(curve(points) - curve(aim), axis=1).max())
@@ -164,8 +208,6 @@ def test_two_sides_of_a_car_tell_the_depth() -> None:
 )
 def test_any_ink_gives_a_finite_edge(stroke: Array) -> None:
     for kind in KINDS:
-        made = fit_edge(EDGE, [Sighting(stroke, view(60.0, 10.0, kind), np.ones(3))], ALL)
-        assert np.isfinite(made).all()
+        assert np.isfinite(fitted(EDGE, stroke, camera=view(60.0, 10.0, kind))).all()
     still = np.repeat(EDGE[:1], 4, axis=0)
-    sighting = Sighting(stroke, view(60.0, 10.0), np.ones(3))
-    assert np.array_equal(fit_edge(still, [sighting], ALL), still)
+    assert np.isfinite(fitted(still, stroke, camera=view(60.0, 10.0))).all()
