@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array
-from bozzetto.errors import FormatError
+from bozzetto.errors import FormatError, words_of
 from bozzetto.exchange.cad.cad_curves import MAX_DEGREE
 from bozzetto.exchange.limits import MAX_COORDINATE
 from bozzetto.geometry.basis import lifted, lowered
@@ -65,7 +65,7 @@ def checked_curve(
         if not made.range[1] > made.range[0]:
             raise ValueError("no length")
     except (ValueError, IndexError) as problem:
-        raise CurveError(f"A curve of this file is damaged: {problem}.") from problem
+        raise CurveError(f"A curve of this file is damaged: {words_of(problem)}.") from problem
     return made
 
 
