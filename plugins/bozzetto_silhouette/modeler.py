@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid
+from bozzetto.geometry import Mesh, Shapes, Skeleton, Skin, Solid, Texture
 from bozzetto.ink import Drawing, Strokes
 from bozzetto.plugin import (
     Caution,
@@ -29,6 +29,7 @@ from bozzetto_silhouette.appearance.paint_layer import lost_paint, paint_facts
 from bozzetto_silhouette.appearance.part_groups import with_groups
 from bozzetto_silhouette.appearance.surface_look import (
     finely_shown,
+    known_texture,
     paint_edges,
     painted,
     sketched,
@@ -77,6 +78,8 @@ class SilhouetteResult:
         The same for files, and for the screen (`Painted`), as its joints were turned.
     skin : Skin or None
         The joints and weights of `mesh` where it is posed; files get a skin in any case.
+    texture : Texture or None
+        Of `shown`, where a picture lies on it; files get one for strokes of paint, too.
     final : bool
         Whether this is more than a preview.
     solids : dict of str to SilhouetteSolid
@@ -87,6 +90,7 @@ class SilhouetteResult:
     mesh: Mesh | None
     shown: Mesh | None
     skin: Skin | None
+    texture: Texture | None
     final: bool
     solids: Mapping[str, SilhouetteSolid]
 
@@ -161,7 +165,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
                 return _drafted(state, resolution, job)
         body, solids = evaluated(state, resolution, job.checkpoint)
         if body is None:
-            return SilhouetteResult(None, None, None, None, final, solids)
+            return SilhouetteResult(None, None, None, None, None, final, solids)
         if final:
             _united.put(_United(body, solids), state)
         return SilhouetteResult(body, *_as_posed(state, body, job, fine=final), final, solids)
@@ -175,7 +179,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
         """
         layers: list[Layer | None] = []
         if result is not None and result.shown is not None:
-            layers.append(Layer("shape", (Shaded(result.shown),)))
+            layers.append(Layer("shape", (Shaded(result.shown, texture=result.texture),)))
         if state.posing and result is not None:
             layers.append(joints_layer(state))
         elif not (state.keys and state.turns):
@@ -285,31 +289,40 @@ def _drafted(state: SilhouetteState, resolution: int, job: Job) -> SilhouetteRes
         )  # fmt: skip
     draft, solids = draft_of(state, resolution, job.checkpoint)
     if draft is None:
-        return SilhouetteResult(None, None, None, None, False, solids)
+        return SilhouetteResult(None, None, None, None, None, False, solids)
     if draft.body.solid is not None:  # one part by itself
         moved = _as_posed(state, draft.body, job, fine=False)
     else:
         mesh = sketched(state, draft, job.checkpoint)
         if posed:
             mesh = skinned_draft(state, draft, mesh, job.checkpoint)
-        moved = Posed(mesh, mesh, None)
+        moved = (*Posed(mesh, mesh, None), None)
     return SilhouetteResult(draft.body, *moved, False, solids)
 
 
-def _as_posed(state: SilhouetteState, body: Body, job: Job, *, fine: bool) -> Posed:
+def _as_posed(
+    state: SilhouetteState, body: Body, job: Job, *, fine: bool
+) -> tuple[Mesh, Mesh, Skin | None, Texture | None]:
     """Return a body's meshes with their colours, as its joints were turned.
 
-    With `fine` what is shown has finer triangles where strokes of paint end.
+    With `fine` what is shown has a texture if a picture lies on it, and else finer triangles where
+    strokes of paint end. A texture that is known is shown in any case.
     """
     look = painted(state, body, job.checkpoint)
     if state.posing or state.turns:
         posed = skinned(state, body, look, job.checkpoint)
     else:
         posed = Posed(*look, None)
+    if state.picture is not None:
+        texture = texture_of(state, body, job.checkpoint) if fine else known_texture(state, body)
+        if texture is None:
+            return (*posed, None)
+        bare = replace(posed.shown, colors=None, cover=None)
+        return posed.mesh, bare, posed.skin, texture
     edges = paint_edges(state, body, job.checkpoint) if fine else None
     if edges is None:
-        return posed
-    return posed._replace(shown=finely_shown(state, body, edges, posed.shown))
+        return (*posed, None)
+    return posed.mesh, finely_shown(state, body, edges, posed.shown), posed.skin, None
 
 
 def _deviation(state: SilhouetteState, result: SilhouetteResult) -> Layer | None:

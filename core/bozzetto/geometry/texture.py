@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bozzetto.arrays import frozen
-
-if TYPE_CHECKING:
-    from bozzetto.geometry.mesh import Mesh
+from bozzetto.arrays import Flags, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,17 +39,9 @@ class Texture:
         if self.corners.ndim != 3 or self.corners.shape[1:] != (3, 2):
             raise ValueError("a texture needs a place for every corner of every face")
 
-    def painted(self, mesh: Mesh) -> Mesh:
-        """Return the mesh that is wrapped, with the picture's colours at its vertices.
-
-        A vertex at several places of the picture has the colour of one of them.
-        """
-        height, width = self.pixels.shape[:2]
-        places = np.zeros((len(mesh.vertices), 2), np.float32)
-        places[mesh.faces] = self.corners
-        column, row = np.clip(places * (width, height), 0, (width - 1, height - 1)).astype(int).T
-        colors = self.pixels[row, column]
-        return replace(mesh, colors=colors, cover=colors[:, 3])
+    def of_faces(self, chosen: Flags) -> Texture:
+        """Return the texture of some faces (f,) alone."""
+        return Texture(self.pixels, self.corners[chosen])
 
     def turned_over(self) -> Texture:
         """Return the texture for the same faces with their corners in reverse order."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from bozzetto.arrays import frozen
 from bozzetto.cached_properties import cached_property
 from bozzetto.geometry.mesh import Mesh
+from bozzetto.geometry.texture import Texture
 from bozzetto.scene.palette import ROLES, Color
 
 if TYPE_CHECKING:
@@ -62,6 +63,9 @@ class Shaded:
         has a crease and have a kink where its curvature jumps; or a material that mirrors a lamp.
         The mesh should bring exact normals. A view that shades all surfaces in its own way takes
         no notice.
+    texture : Texture, optional
+        A picture on it, over these colours, with a place for every corner of every face. A view
+        of curvature or draft takes no notice.
     """
 
     mesh: Mesh
@@ -69,11 +73,21 @@ class Shaded:
     opacity: float = 1.0
     pickable: bool = True
     finish: Finish = "clay"
+    texture: Texture | None = None
 
     def __post_init__(self) -> None:
         _check_paint(self.color)
+        if self.texture is not None and len(self.texture.corners) != len(self.mesh.faces):
+            raise ValueError("a texture needs a place for every corner of every face")
         if self.finish not in get_args(Finish):
             raise ValueError(f"no finish {self.finish!r}; there are {', '.join(get_args(Finish))}")
+
+    def placed(self, placement: Placement) -> Shaded:
+        """Return it moved by a placement, with its texture."""
+        mesh, texture = self.mesh.placed(placement), self.texture
+        if texture is not None and placement.mirrors:
+            texture = texture.turned_over()
+        return replace(self, mesh=mesh, texture=texture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -404,7 +418,7 @@ def _triple(values: NDArray[np.float64]) -> tuple[float, float, float]:
 
 def _moved(item: Item, placement: Placement) -> Item:
     if isinstance(item, Shaded):
-        return replace(item, mesh=item.mesh.placed(placement))
+        return item.placed(placement)
     if isinstance(item, Lines | Points):
         return replace(item, points=placement.points(item.points).astype(np.float32))
     if isinstance(item, Image):

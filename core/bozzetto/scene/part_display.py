@@ -17,13 +17,14 @@ def shaded_part(part: Solid | Surface) -> tuple[Shaded, ...]:
     Its picture or the colours of its vertices come before the colours of its groups, and these
     before its own.
     """
-    mesh = part.mesh if part.texture is None else part.texture.painted(part.mesh)
+    mesh, texture, bare = part.mesh, part.texture, "clay" if part.color is None else part.color
+    if texture is not None:
+        return (Shaded(replace(mesh, colors=None, cover=None), bare, texture=texture),)
     if mesh.colors is not None or not any(group.color for group in part.groups):
-        return (Shaded(mesh) if part.color is None else Shaded(mesh, part.color),)
+        return (Shaded(mesh, bare),)
     found, begin = [], 0
     for group in part.groups:
         own = replace(mesh, faces=mesh.faces[begin : begin + group.count])
-        color = group.color or part.color
-        found.append(Shaded(own) if color is None else Shaded(own, color))
+        found.append(Shaded(own, group.color or bare))
         begin += group.count
     return tuple(found)

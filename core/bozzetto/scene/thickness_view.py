@@ -202,9 +202,10 @@ def _in_colors(
     colored = Mesh(
         points.astype(np.float32), faces.astype(np.int32), across.astype(np.float32), colors
     )
-    yield replace(item, mesh=colored, opacity=1.0)
+    yield replace(item, mesh=colored, opacity=1.0, texture=None)
     if not closed.all():
-        yield replace(item, mesh=replace(mesh, faces=mesh.faces[~closed]))
+        texture = None if item.texture is None else item.texture.of_faces(~closed)
+        yield replace(item, mesh=replace(mesh, faces=mesh.faces[~closed]), texture=texture)
 
 
 def _thickness(

@@ -227,7 +227,9 @@ def _picture_coat(state: SilhouetteState, body: Body) -> Coat | None:
     return projection.coat(body.vertices, body.normals)
 
 
-def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
+def texture_of(
+    state: SilhouetteState, body: Body, checkpoint: Checkpoint = ignore
+) -> Texture | None:
     """Return a body's colours as a texture; None without a picture and strokes of paint.
 
     Colours of parts alone are smooth enough for vertices.
@@ -235,20 +237,28 @@ def texture_of(state: SilhouetteState, body: Body) -> Texture | None:
     strokes = laid_strokes(state)
     if state.picture is None and not strokes:
         return None
-    return _baked(state, body, strokes)
+    return _baked(state, body, strokes, checkpoint)
+
+
+def known_texture(state: SilhouetteState, body: Body) -> Texture | None:
+    """Return a body's texture if it was worked out lately."""
+    return _baked.known(state, body, laid_strokes(state), ignore)
 
 
 # By the content; a large one takes 64 MB.
 @remembered(
     limit=2,
-    key=lambda state, body, strokes: (state.unpainted, state.picture, body, strokes),
+    key=lambda state, body, strokes, checkpoint: (state.unpainted, state.picture, body, strokes),
 )
-def _baked(state: SilhouetteState, body: Body, strokes: tuple[Group, ...]) -> Texture:
+def _baked(
+    state: SilhouetteState, body: Body, strokes: tuple[Group, ...], checkpoint: Checkpoint
+) -> Texture:
     picture, tracks = state.picture, tracks_of(strokes, body)
     under = _corner_coat(state, body)
     places = np.concatenate([body.vertices, body.normals], axis=1)
 
     def paint(face: Index, weights: Array, detail: float) -> Coat:
+        checkpoint(1.0, "colours")
         corners = body.faces[face]
         there = sum(weights[:, k, None] * places[corners[:, k]] for k in range(3))
         points, normals = np.hsplit(np.asarray(there), 2)

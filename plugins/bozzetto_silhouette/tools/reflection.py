@@ -144,7 +144,7 @@ def reflected_scene(scene: Scene, image: Placement) -> Scene:
         twins: list[Item] = []
         for item in layer.items:
             if isinstance(item, Shaded):
-                twins.append(replace(item, mesh=item.mesh.placed(image), pickable=False))
+                twins.append(replace(item.placed(image), pickable=False))
             elif isinstance(item, Lines) and len(item.points):
                 places = image.points(item.points.astype(np.float64)).astype(np.float32)
                 twins.append(replace(item, points=places))

@@ -85,7 +85,8 @@ def test_skins_are_turned_upright_with_their_meshes() -> None:
 def test_groups_and_pictures_are_shown_in_their_colours() -> None:
     (layer,) = ImportedMesh().scene(ImportedMesh().read_shapes(_rigged()), None).layers
     worm = layer.items[0]
-    assert worm.mesh.colors is not None
+    assert same(worm.texture, _rigged().solids[0].texture)
+    np.testing.assert_array_equal(worm.mesh.faces, _rigged().solids[0].mesh.faces)
     plain = replace(_rigged().solids[0], texture=None)
     (layer,) = (
         ImportedMesh().scene(ImportedMesh().read_shapes(Shapes(solids=(plain,))), None).layers

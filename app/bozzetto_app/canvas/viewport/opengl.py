@@ -13,6 +13,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 from OpenGL import GL
 from pyqtgraph.opengl import GLViewWidget
 from PySide6.QtCore import Qt, QTimer, Signal
@@ -25,6 +26,7 @@ from bozzetto.scene.grid import GROUND as GROUND_LAYER
 from bozzetto.scene.grid import ground_grid, ground_height
 from bozzetto.scene.palette import LIGHT, Color, Palette
 from bozzetto.scene.renderer.shading import SHADINGS
+from bozzetto.scene.renderer.surfaces import shown_texture
 from bozzetto.view.camera import Camera
 from bozzetto.view.gl_matrices import gl_matrices, near_far
 from bozzetto_app.canvas.viewport import opengl_buffers as buffers
@@ -40,6 +42,8 @@ from bozzetto_app.canvas.viewport.opengl_items import (
 )
 
 if TYPE_CHECKING:
+    from bozzetto.scene.display_list import Shaded
+    from bozzetto_app.canvas.viewport.opengl_buffers import Batch
     from bozzetto_app.canvas.viewport.protocol import Shading
 
 __all__ = ["GLViewport", "layer_items"]
@@ -77,11 +81,12 @@ def layer_items(layer: Layer, palette: Palette, shading: Shading) -> list[BatchI
     solid, glass = buffers.opaque_surfaces(layer), buffers.glass_surfaces(layer)
     if shading == "xray":
         solid, glass = [], [*solid, *glass]
-    if solid:
-        batch = buffers.surface(solid, palette, shading)
-        made.append(SurfaceItem("surface", batch, SURFACES))
+    plain = [item for item in solid if shown_texture(item, shading) is None]
+    wrapped = [[item] for item in solid if shown_texture(item, shading) is not None]
+    for together in [plain, *wrapped] if plain else wrapped:
+        made.append(SurfaceItem(*_mesh_batch(together, palette, shading), SURFACES))
     for pane in glass:
-        made.append(GlassItem("surface", buffers.surface([pane], palette, shading), GLASS))
+        made.append(GlassItem(*_mesh_batch([pane], palette, shading), GLASS))
     for hidden in buffers.HIDDEN_KINDS:
         lines = [i for i in layer.items if isinstance(i, Lines) and i.hidden == hidden]
         if lines:
@@ -96,6 +101,16 @@ def layer_items(layer: Layer, palette: Palette, shading: Shading) -> list[BatchI
         if isinstance(item, Image):
             made.append(PictureItem(buffers.picture(item), PICTURES, item))
     return made
+
+
+def _mesh_batch(
+    items: list[Shaded], palette: Palette, shading: Shading
+) -> tuple[Batch, NDArray[np.uint8] | None]:
+    """Return the buffers of meshes, and the pixels of the texture of the only one, if it has."""
+    texture = shown_texture(items[0], shading)
+    if texture is None:
+        return buffers.surface(items, palette, shading), None
+    return buffers.textured_surface(items[0], texture, palette, shading), texture.pixels
 
 
 class GLViewport(GLViewWidget):  # type: ignore[misc]

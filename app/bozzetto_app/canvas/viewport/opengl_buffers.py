@@ -17,6 +17,7 @@ from bozzetto.scene.renderer.surfaces import is_polished
 
 if TYPE_CHECKING:
     from bozzetto.geometry.mesh import Mesh
+    from bozzetto.geometry.texture import Texture
     from bozzetto.scene.palette import Palette
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "picture",
     "strips",
     "surface",
+    "textured_surface",
 ]
 
 Floats = NDArray[np.float32]
@@ -94,6 +96,18 @@ def surface(items: Sequence[Shaded], palette: Palette, shading: Shading = "clay"
         indices.append(corners + np.uint32(count))
         count += len(vertex)
     return Batch(np.concatenate(vertices), (3, 3, 2, 4), np.concatenate(indices))
+
+
+def textured_surface(item: Shaded, texture: Texture, palette: Palette, shading: Shading) -> Batch:
+    """Return the buffer of a mesh with a texture: as `surface`, then place in the picture 2.
+
+    Each corner of each triangle is a vertex of its own.
+    """
+    bare = surface([item], palette, shading)
+    corners = bare.vertices[bare.indices]
+    corners[:, 6] = 1.0
+    vertices = np.concatenate((corners, texture.corners.reshape(-1, 2)), axis=1)
+    return Batch(vertices, (*bare.widths, 2), np.arange(len(vertices), dtype=np.uint32))
 
 
 def _split(mesh: Mesh) -> tuple[NDArray[np.intp], Floats, Indices]:

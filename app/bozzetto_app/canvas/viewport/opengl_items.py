@@ -175,7 +175,13 @@ def _blend() -> None:
     )
 
 
-def _shade(programs: Programs, program: int, frame: Frame) -> None:
+def _shade(
+    programs: Programs, program: int, frame: Frame, texture: NDArray[np.uint8] | None
+) -> None:
+    if texture is not None:
+        GL.glActiveTexture(GL.GL_TEXTURE0)
+        programs.textures.bind(texture)
+        GL.glUniform1i(programs.place(program, "u_picture"), 0)
     GL.glUniform1i(programs.place(program, "u_shading"), frame.shading)
     GL.glUniform3f(programs.place(program, "u_ink"), *frame.ink)
     GL.glUniform1f(programs.place(program, "u_parallel"), float(frame.parallel))
@@ -183,12 +189,20 @@ def _shade(programs: Programs, program: int, frame: Frame) -> None:
     GL.glUniform1f(programs.place(program, "u_swell"), 0.0)
 
 
-class SurfaceItem(BatchItem):
+class _MeshItem(BatchItem):
+    """Meshes, or one with a texture, (h, w, 4) RGBA."""
+
+    def __init__(self, batch: Batch, texture: NDArray[np.uint8] | None, order: int) -> None:
+        super().__init__("surface" if texture is None else "textured", batch, order)
+        self.texture = texture
+
+
+class SurfaceItem(_MeshItem):
     """Opaque meshes; pushed back a little so that lines on them are seen."""
 
     def passes(self, programs: Programs, program: int, frame: Frame) -> None:
         """Draw the surface, then its far side enlarged by a pixel, which leaves the contour."""
-        _shade(programs, program, frame)
+        _shade(programs, program, frame, self.texture)
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glEnable(GL.GL_POLYGON_OFFSET_FILL)
         GL.glPolygonOffset(1.0, 1.0)
@@ -202,12 +216,12 @@ class SurfaceItem(BatchItem):
         GL.glCullFace(GL.GL_BACK)
 
 
-class GlassItem(BatchItem):
+class GlassItem(_MeshItem):
     """A translucent mesh: the far side first, then the near one."""
 
     def passes(self, programs: Programs, program: int, frame: Frame) -> None:
         """Back faces, then front faces; neither hides anything."""
-        _shade(programs, program, frame)
+        _shade(programs, program, frame, self.texture)
         _blend()
         GL.glEnable(GL.GL_DEPTH_TEST)
         GL.glDepthMask(GL.GL_FALSE)

@@ -27,18 +27,28 @@ CORE_FRAGMENT: Final = (
 
 ATTRIBUTES: Final = {
     "surface": ("a_place", "a_normal", "a_matter", "a_color"),
+    "textured": ("a_place", "a_normal", "a_matter", "a_color", "a_texel"),
     "strip": ("a_before", "a_place", "a_after", "a_shape", "a_color"),
     "dot": ("a_place", "a_shape", "a_color"),
     "picture": ("a_place", "a_texel"),
 }
 """Names of each program's vertex attributes; their positions are their locations."""
 
+TEXTURED: Final = "#define TEXTURED\n"
+"""Head of the surface's program with a picture on it."""
+
 SURFACE_VERTEX: Final = """
 uniform mat4 u_view; uniform mat4 u_projection;
 uniform vec2 u_size; uniform float u_swell;
 IN vec3 a_place; IN vec3 a_normal; IN vec2 a_matter; IN vec4 a_color;
 OUT vec3 v_normal; OUT vec3 v_seen; OUT vec4 v_color; OUT vec2 v_matter;
+#ifdef TEXTURED
+IN vec2 a_texel; OUT vec2 v_texel;
+#endif
 void main() {
+#ifdef TEXTURED
+    v_texel = a_texel;
+#endif
     vec4 seen = u_view * vec4(a_place, 1.0);
     v_seen = seen.xyz;
     v_normal = mat3(u_view) * a_normal;
@@ -55,6 +65,9 @@ SURFACE_FRAGMENT: Final = """
 uniform int u_shading; uniform float u_swell; uniform vec3 u_ink; uniform float u_parallel;
 uniform float u_opacity; uniform mat4 u_view;
 IN vec3 v_normal; IN vec3 v_seen; IN vec4 v_color; IN vec2 v_matter;
+#ifdef TEXTURED
+uniform sampler2D u_picture; IN vec2 v_texel;
+#endif
 float integral(float height) {
     float whole = floor(height);
     return 0.5 * whole + min(height - whole, 0.5);
@@ -97,15 +110,20 @@ void main() {
     float grazing = (1.0 - facing) * (1.0 - facing);
     light += %(RIM_SHARE)s * grazing * grazing;
     if (inside) light *= %(INSIDE)s;
+    vec3 base = v_color.rgb;
+#ifdef TEXTURED
+    vec4 texel = TEXTURE(u_picture, v_texel);
+    base = mix(base, texel.rgb, texel.a);
+#endif
     vec3 color;
     if (u_shading == 3) {
         color = 0.5 * normal + 0.5;
     } else if (v_matter.y > 0.5 && v_matter.y < 1.5) {
-        color = stripes(v_color.rgb, normal, sight) * ramp(vec3(1.0), light, vec3(%(SHADOW)s));
+        color = stripes(base, normal, sight) * ramp(vec3(1.0), light, vec3(%(SHADOW)s));
     } else if (v_matter.x > 0.5) {
-        color = v_color.rgb * ramp(vec3(1.0), light, vec3(%(HOLLOW_SHADOW)s));
+        color = base * ramp(vec3(1.0), light, vec3(%(HOLLOW_SHADOW)s));
     } else {
-        color = ramp(v_color.rgb, light, vec3(%(HOLLOW_SHADOW)s));
+        color = ramp(base, light, vec3(%(HOLLOW_SHADOW)s));
     }
     if (v_matter.y > 1.5 && u_shading == 0 && !inside) {
         vec4 sheen = vec4(%(GLOSS)s);
@@ -249,6 +267,7 @@ LIGHT: Final = {
 
 _SOURCES: Final = {
     "surface": (SURFACE_VERTEX, SURFACE_FRAGMENT % LIGHT),
+    "textured": (TEXTURED + SURFACE_VERTEX, TEXTURED + SURFACE_FRAGMENT % LIGHT),
     "strip": (STRIP_VERTEX, STRIP_FRAGMENT % {"DASH_SHARE": DASH / (DASH + GAP)}),
     "dot": (DOT_VERTEX, DOT_FRAGMENT),
     "picture": (PICTURE_VERTEX, PICTURE_FRAGMENT),

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
 
+from bozzetto.scene.renderer.textures import smallest_level
+
 __all__ = ["Textures"]
 
 MOST: Final = 32
@@ -37,8 +39,7 @@ class Textures:
         texture = int(GL.glGenTextures(1))
         self._held[id(pixels)] = weakref.ref(pixels), texture
         GL.glBindTexture(GL.GL_TEXTURE_2D, texture)
-        for name in (GL.GL_TEXTURE_MIN_FILTER, GL.GL_TEXTURE_MAG_FILTER):
-            GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_LINEAR)
+        GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MAG_FILTER, GL.GL_LINEAR)
         for name in (GL.GL_TEXTURE_WRAP_S, GL.GL_TEXTURE_WRAP_T):
             GL.glTexParameteri(GL.GL_TEXTURE_2D, name, GL.GL_CLAMP_TO_EDGE)
         height, width = pixels.shape[:2]
@@ -47,6 +48,13 @@ class Textures:
             GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, width, height, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE,
             pixels,
         )  # fmt: skip
+        smaller = GL.GL_LINEAR
+        if GL.glGenerateMipmap:  # not before OpenGL 3
+            last = smallest_level(pixels)
+            GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MAX_LEVEL, last)
+            GL.glGenerateMipmap(GL.GL_TEXTURE_2D)
+            smaller = GL.GL_LINEAR_MIPMAP_LINEAR
+        GL.glTexParameteri(GL.GL_TEXTURE_2D, GL.GL_TEXTURE_MIN_FILTER, smaller)
 
     def free(self) -> None:
         """Give all pictures back; the context must be current."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.scene.renderer.clipping import Polygon, crossed, cut
-from bozzetto.scene.renderer.mipmaps import as_pillow, level, rung
+from bozzetto.scene.renderer.mipmaps import as_pillow, bilinear, level, rung
 
 if TYPE_CHECKING:
     from bozzetto.arrays import Array, Bytes, Floats
@@ -215,18 +215,6 @@ def _draw_border(
         chosen = np.flatnonzero((mean_near > far) & (mean_near <= near) & (count > 0))
         texels = level(pixels, *factors)
         height, width = texels.shape[:2]
-        values[chosen] = _bilinear(texels, mean_u[chosen] * width, mean_v[chosen] * height)
+        values[chosen] = bilinear(texels, mean_u[chosen] * width, mean_v[chosen] * height)
     values *= (count / SHARES**2).astype(np.float32)[:, None]
     colors[cells[:, 1] - top, cells[:, 0] - left] = values + np.float32(0.5)
-
-
-def _bilinear(texels: Bytes, x: Array, y: Array) -> Floats:
-    """Interpolate texels at places, (n, 4); beyond the border the outermost ones are repeated."""
-    height, width = texels.shape[:2]
-    x, y = np.clip(x - 0.5, 0, width - 1), np.clip(y - 0.5, 0, height - 1)
-    left, top = x.astype(np.intp), y.astype(np.intp)
-    right, below = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
-    s, t = (x - left)[:, None], (y - top)[:, None]
-    upper = texels[top, left] * (1 - s) + texels[top, right] * s
-    lower = texels[below, left] * (1 - s) + texels[below, right] * s
-    return np.asarray(upper * (1 - t) + lower * t, np.float32)

@@ -15,11 +15,12 @@ from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from bozzetto.arrays import Bytes
+    from bozzetto.arrays import Array, Bytes, Floats, Index
 
 
 LEVELS_KEPT: Final = 256_000_000
@@ -28,6 +29,10 @@ LEVELS_KEPT: Final = 256_000_000
 QUARTER: Final = 4
 """By how much a level is reduced from another one. By halves would be a little faster, but each
 step rounds, and a mean of two is rounded up half of the time: small pictures would be pale."""
+
+
+AT_ONCE: Final = 1 << 15
+"""Places interpolated in one sweep: their arrays stay in the processor's cache."""
 
 
 class LevelCache:
@@ -159,3 +164,36 @@ def as_pillow(texels: Bytes) -> Image:
 
     height, width = texels.shape[:2]
     return Image.frombuffer("CMYK", (width, height), texels, "raw", "CMYK", 0, 1)
+
+
+def bilinear(texels: Bytes, x: Array, y: Array) -> Floats:
+    """Interpolate texels at places, (n, 4); beyond the border the outermost ones are repeated."""
+    height, width = texels.shape[:2]
+    flat = np.ascontiguousarray(texels).view(np.uint32).ravel()
+    result = np.empty((len(x), 4), np.float32)
+    for first in range(0, len(x), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        across = np.clip(x[part] - 0.5, 0, width - 1)
+        down = np.clip(y[part] - 0.5, 0, height - 1)
+        left, top = across.astype(np.int32), down.astype(np.int32)
+        s = (across - left).astype(np.float32)[:, None]
+        t = (down - top).astype(np.float32)[:, None]
+        row, next_row = top * width, np.minimum(top + 1, height - 1) * width
+        right = np.minimum(left + 1, width - 1)
+        upper = _between(flat, row + left, row + right, s)
+        lower = _between(flat, next_row + left, next_row + right, s)
+        lower -= upper
+        lower *= t
+        np.add(upper, lower, out=result[part])
+    return result
+
+
+def _between(flat: NDArray[np.uint32], one: Index, other: Index, share: Floats) -> Floats:
+    """Return colours (n, 4) between texels at two flat indices."""
+    begin, end = (
+        flat.take(index).view(np.uint8).reshape(-1, 4).astype(np.float32) for index in (one, other)
+    )
+    end -= begin
+    end *= share
+    end += begin
+    return end

@@ -101,40 +101,100 @@ def fragments(
     """
     pixel = np.flatnonzero(triangle >= 0)
     seen = triangle[pixel]
-    visible = np.zeros(len(soup.faces), bool)
-    visible[seen] = True
-    row = np.cumsum(visible, dtype=np.int32)[seen] - 1
-    faces, corners = soup.faces[visible], soup.corners[visible]
-    places = soup.places[faces]
-    weight = places[:, :, 2:] if sight.perspective else np.ones((len(faces), 3, 1))
-
-    y, x = np.divmod(pixel.astype(np.int32), np.int32(sight.width))
-    right, down = x + 0.5, y + 0.5
-    first = places[:, 0]
-    dx = (right - first[:, 0].take(row)).astype(np.float32)
-    dy = (down - first[:, 1].take(row)).astype(np.float32)
-
-    normal = _interpolated(places, soup.normals[corners] * weight, row, dx, dy)
+    spread = _Spread(pixel, seen, soup, sight)
+    corners = soup.corners[spread.visible]
+    normal = spread.values(soup.normals[corners] * spread.weight)
     length = np.sqrt(np.einsum("kn,kn->n", normal, normal))
     normal /= np.where(length > 0, length, 1.0)
-    inside = _backs(places)[row]
+    inside = _backs(spread.places)[spread.row]
     normal *= np.where(inside, np.float32(-1), np.float32(1))
     normal[2, length == 0] = 1.0
 
     facing = normal[2].copy()
     if sight.perspective:
-        slope_x = ((sight.middle[0] - right) / sight.focal).astype(np.float32)
-        slope_y = ((down - sight.middle[1]) / sight.focal).astype(np.float32)
+        slope_x = ((sight.middle[0] - spread.right) / sight.focal).astype(np.float32)
+        slope_y = ((spread.down - sight.middle[1]) / sight.focal).astype(np.float32)
         facing += normal[0] * slope_x + normal[1] * slope_y
         facing /= np.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
     np.clip(facing, 0.0, 1.0, out=facing)
 
     color = np.zeros((0, 4), np.float32)
     if tinted:
-        weighted = np.concatenate((soup.colors[faces] * weight, weight), 2)
-        values = _interpolated(places, weighted, row, dx, dy)
-        color = np.clip((values[:4] / values[4]).T, 0.0, 255.0)
+        colors = soup.colors[soup.faces[spread.visible]]
+        color = np.clip(spread.true_values(colors).T, 0.0, 255.0)
     return Fragments(pixel, seen, normal, facing, inside, color)
+
+
+def at_pixels(
+    pixel: Index,
+    triangle: NDArray[np.int32],
+    values: NDArray[np.floating],
+    soup: Soup,
+    sight: ViewTransform,
+) -> Floats:
+    """Interpolate values over triangles as they lie in space.
+
+    Parameters
+    ----------
+    pixel : (n,) int
+        In the window, row by row.
+    triangle : (n,) int
+        The triangle seen there.
+    values : (t, 3, k) float
+        At the corners of all triangles.
+    soup : Soup
+        The triangles on the sheet.
+    sight : ViewTransform
+        The transform of the window.
+
+    Returns
+    -------
+    (k, n) float32
+    """
+    spread = _Spread(pixel, triangle, soup, sight)
+    return spread.true_values(values[spread.visible])
+
+
+class _Spread:
+    """Where some pixels lie on the triangles that are seen there.
+
+    Attributes
+    ----------
+    visible : (t,) bool
+        Triangles that are seen at any of the pixels; others arrays have a row for each of these.
+    places : (m, 3, 3) float
+        Their corners: x, y (px), nearness.
+    weight : (m, 3, 1) float
+        What values are multiplied by to be affine on the sheet.
+    row : (n,) int32
+        The row of each pixel.
+    right, down : (n,) float
+        Middles of the pixels, px.
+    """
+
+    def __init__(
+        self, pixel: Index, triangle: NDArray[np.int32], soup: Soup, sight: ViewTransform
+    ) -> None:
+        self.visible = np.zeros(len(soup.faces), bool)
+        self.visible[triangle] = True
+        self.row = np.cumsum(self.visible, dtype=np.int32)[triangle] - 1
+        self.places = soup.places[soup.faces[self.visible]]
+        ones = np.ones((len(self.places), 3, 1))
+        self.weight = self.places[:, :, 2:] if sight.perspective else ones
+        y, x = np.divmod(pixel.astype(np.int32), np.int32(sight.width))
+        self.right, self.down = x + 0.5, y + 0.5
+        first = self.places[:, 0]
+        self._dx = (self.right - first[:, 0].take(self.row)).astype(np.float32)
+        self._dy = (self.down - first[:, 1].take(self.row)).astype(np.float32)
+
+    def values(self, values: NDArray[np.floating]) -> Floats:
+        """Interpolate corner values (m, 3, k) affinely on the sheet; (k, n)."""
+        return _interpolated(self.places, values, self.row, self._dx, self._dy)
+
+    def true_values(self, values: NDArray[np.floating]) -> Floats:
+        """Interpolate corner values (m, 3, k) affinely in space; (k, n)."""
+        found = self.values(np.concatenate((values * self.weight, self.weight), 2))
+        return np.asarray(found[:-1] / found[-1])
 
 
 def _interpolated(

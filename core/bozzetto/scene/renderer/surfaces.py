@@ -24,11 +24,13 @@ from bozzetto.scene.renderer.shading import (
     fragments,
     surface_colors,
 )
+from bozzetto.scene.renderer.textures import with_textures
 from bozzetto.scene.renderer.triangle_soup import Soup, gather
 from bozzetto.scene.renderer.zbuffer import DepthBuffer, blank_buffer, rasterize
 from bozzetto.scene.renderer.zebra import with_zebra
 
 if TYPE_CHECKING:
+    from bozzetto.geometry.texture import Texture
     from bozzetto.scene.display_list import Shaded
     from bozzetto.scene.renderer.view_transform import ViewTransform
 
@@ -212,6 +214,11 @@ def see_through(item: Shaded, shading: Shading) -> bool:
     )
 
 
+def shown_texture(item: Shaded, shading: Shading) -> Texture | None:
+    """Return the texture of a mesh; None where the shading has colours of its own."""
+    return None if shading in ("curvature", "draft") else item.texture
+
+
 def is_polished(item: Shaded, shading: Shading) -> bool:
     """Whether a mesh mirrors the tubes of the zebra."""
     return shading == "zebra" or (shading == "clay" and item.finish == "zebra")
@@ -222,23 +229,31 @@ def _vertex_colors(item: Shaded, style: Style) -> NDArray[np.generic] | None:
         return curvature_colors(mean_curvature(item.mesh), style.palette)
     if style.shading == "draft":
         return draft_colors(item.mesh.vertex_normals(), style.palette)
-    return item.mesh.colors_over(style.palette.color(item.color))
+    color = style.palette.color(item.color)
+    own = item.mesh.colors_over(color)
+    if own is None and item.texture is not None:
+        return np.tile(np.array((*color, 255), np.uint8), (len(item.mesh.vertices), 1))
+    return own
 
 
-def _gathered(items: Sequence[Shaded], sight: ViewTransform, style: Style) -> tuple[Soup, Flags]:
+def _gathered(
+    items: Sequence[Shaded], sight: ViewTransform, style: Style
+) -> tuple[Soup, Flags, list[Texture | None]]:
     colors = [_vertex_colors(item, style) for item in items]
     tinted = np.array([own is not None for own in colors])
-    return gather([item.mesh for item in items], colors, sight), tinted
+    textures = [shown_texture(item, style.shading) for item in items]
+    return gather([item.mesh for item in items], colors, sight, textures), tinted, textures
 
 
 def _draw_opaque(
     pixels: Floats, items: Sequence[Shaded], buffer: DepthBuffer, sight: ViewTransform, style: Style
 ) -> None:
-    soup, tinted = _gathered(items, sight, style)
+    soup, tinted, textures = _gathered(items, sight, style)
     rasterize(buffer, soup.places, soup.faces, soup.doubled_areas() > 0)
     seen = fragments(buffer.triangle, soup, sight, tinted=bool(tinted.any()))
     if not len(seen.pixel):
         return
+    seen = with_textures(seen, soup, textures, sight)
     normal = _spread_normals(seen, buffer)
     cavity = None
     matte = not all(is_polished(item, style.shading) for item in items)
@@ -287,7 +302,7 @@ def _spread_normals(seen: Fragments, buffer: DepthBuffer) -> Floats:
 
 def _mesh_sheets(item: Shaded, sight: ViewTransform, style: Style) -> list[Sheet]:
     """Return the nearest back and the nearest front of a mesh."""
-    soup, tinted = _gathered([item], sight, style)
+    soup, tinted, textures = _gathered([item], sight, style)
     front = soup.doubled_areas() > 0
     sheets = []
     for side in (~front, front):
@@ -295,6 +310,7 @@ def _mesh_sheets(item: Shaded, sight: ViewTransform, style: Style) -> list[Sheet
         buffer = blank_buffer(sight.width, sight.height)
         rasterize(buffer, half.places, half.faces)
         seen = fragments(buffer.triangle, half, sight, tinted=bool(tinted.any()))
+        seen = with_textures(seen, half, textures, sight)
         rgb = _colors_of(seen, half, [item], tinted, sight, style)
         opacity = np.full(len(seen.pixel), item.opacity, np.float32)
         if item.mesh.colors is not None and tinted.any():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from bozzetto.scene.renderer.normals import corner_normals
 
 if TYPE_CHECKING:
     from bozzetto.geometry.mesh import Mesh
+    from bozzetto.geometry.texture import Texture
     from bozzetto.scene.renderer.view_transform import ViewTransform
 
 Triples = NDArray[np.int32]
@@ -37,6 +38,8 @@ class Soup:
         RGBA 0 … 255 of vertices that have a colour of their own; else zeros.
     part : (t,) int32
         Which mesh each triangle comes from.
+    texels : (t, 3, 2) float32 or None
+        Places of the corners in the mesh's texture, 0 to 1; None if no mesh has one.
     """
 
     places: Array
@@ -45,6 +48,7 @@ class Soup:
     corners: Triples
     colors: Floats
     part: Triples
+    texels: Floats | None = None
 
     def only(self, keep: Flags) -> Soup:
         """Return the soup without some of its triangles."""
@@ -55,6 +59,7 @@ class Soup:
             self.corners[keep],
             self.colors,
             self.part[keep],
+            None if self.texels is None else self.texels[keep],
         )
 
     def doubled_areas(self) -> Array:
@@ -66,7 +71,10 @@ class Soup:
 
 
 def gather(
-    meshes: Sequence[Mesh], colors: Sequence[NDArray[np.generic] | None], sight: ViewTransform
+    meshes: Sequence[Mesh],
+    colors: Sequence[NDArray[np.generic] | None],
+    sight: ViewTransform,
+    textures: Sequence[Texture | None] = (),
 ) -> Soup:
     """Bring meshes onto the sheet.
 
@@ -78,6 +86,8 @@ def gather(
         RGBA 0 … 255 of each mesh's vertices, where they have any.
     sight : ViewTransform
         The transform of the window.
+    textures : sequence of Texture or None, optional
+        That of each mesh, where it has one.
     """
     prepared = [corner_normals(mesh) for mesh in meshes]
     sizes = [len(mesh.vertices) for mesh in meshes]
@@ -99,11 +109,21 @@ def gather(
         _joined(corners, np.int32, 3),
         _joined(tints, np.float32, 4),
         np.repeat(np.arange(len(meshes), dtype=np.int32), [len(mesh.faces) for mesh in meshes]),
+        _texels(meshes, textures),
     )
     if sight.perspective:
         soup = _clipped(soup, sight.near)
-    return Soup(
-        sight.placed(soup.places), soup.faces, soup.normals, soup.corners, soup.colors, soup.part
+    return replace(soup, places=sight.placed(soup.places))
+
+
+def _texels(meshes: Sequence[Mesh], textures: Sequence[Texture | None]) -> Floats | None:
+    if all(texture is None for texture in textures):
+        return None
+    return np.concatenate(
+        [
+            np.zeros((len(mesh.faces), 3, 2), np.float32) if texture is None else texture.corners
+            for mesh, texture in zip(meshes, textures, strict=True)
+        ]
     )
 
 
@@ -126,17 +146,24 @@ def _clipped(soup: Soup, near: float) -> Soup:
         # Turn each triangle so that the odd corner comes first.
         odd = np.argmax(shown[count == corners_shown] == (corners_shown == 1), axis=1)
         turned = (odd[:, None] + np.arange(3)) % 3
-        faces = np.take_along_axis(cut.faces, turned, 1)
-        corners = np.take_along_axis(cut.corners, turned, 1)
-        pieces.append(_cut(cut, faces, corners, near, keep_first=corners_shown == 1))
+        cut = replace(
+            cut,
+            faces=np.take_along_axis(cut.faces, turned, 1),
+            corners=np.take_along_axis(cut.corners, turned, 1),
+            texels=None
+            if cut.texels is None
+            else np.take_along_axis(cut.texels, turned[..., None], 1),
+        )
+        pieces.append(_cut(cut, near, keep_first=corners_shown == 1))
     return _merged(pieces)
 
 
-def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_first: bool) -> Soup:
+def _cut(soup: Soup, near: float, *, keep_first: bool) -> Soup:
     """Return one or two triangles for each whose first corner lies alone on its side."""
+    faces, corners, texels = soup.faces, soup.corners, soup.texels
     a, depth = faces[:, 0], soup.places[:, 2]
     count = len(faces)
-    places, normals, colors = [], [], []
+    places, normals, colors, ends = [], [], [], []
     for k in (1, 2):
         b = faces[:, k]
         t = ((near - depth[a]) / (depth[b] - depth[a]))[:, None]
@@ -146,6 +173,8 @@ def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_firs
         n_a, n_b = soup.normals[corners[:, 0]], soup.normals[corners[:, k]]
         normals.append((n_a + t * (n_b - n_a)).astype(np.float32))
         colors.append((soup.colors[a] + t * (soup.colors[b] - soup.colors[a])).astype(np.float32))
+        if texels is not None:
+            ends.append((texels[:, 0] + t * (texels[:, k] - texels[:, 0])).astype(np.float32))
     two = np.arange(count, dtype=np.int32)
     on_ab, on_ac = len(soup.places) + two, len(soup.places) + count + two
     n_ab, n_ac = len(soup.normals) + two, len(soup.normals) + count + two
@@ -153,6 +182,8 @@ def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_firs
         new_faces = np.stack((a, on_ab, on_ac), 1)
         new_corners = np.stack((corners[:, 0], n_ab, n_ac), 1)
         part = soup.part
+        if texels is not None:
+            texels = np.stack((texels[:, 0], *ends), 1)
     else:
         b, c = faces[:, 1], faces[:, 2]
         at_b, at_c = corners[:, 1], corners[:, 2]
@@ -161,6 +192,14 @@ def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_firs
             (np.stack((n_ab, at_b, at_c), 1), np.stack((n_ab, at_c, n_ac), 1))
         )
         part = np.concatenate((soup.part, soup.part))
+        if texels is not None:
+            at_ab, at_ac = ends
+            texels = np.concatenate(
+                (
+                    np.stack((at_ab, texels[:, 1], texels[:, 2]), 1),
+                    np.stack((at_ab, texels[:, 2], at_ac), 1),
+                )
+            )
     return Soup(
         np.concatenate((soup.places, *places)),
         new_faces.astype(np.int32),
@@ -168,6 +207,7 @@ def _cut(soup: Soup, faces: Triples, corners: Triples, near: float, *, keep_firs
         new_corners.astype(np.int32),
         np.concatenate((soup.colors, *colors)),
         part,
+        texels,
     )
 
 
@@ -181,4 +221,7 @@ def _merged(soups: Sequence[Soup]) -> Soup:
         np.concatenate([s.corners + normal_shift[k] for k, s in enumerate(soups)]).astype(np.int32),
         np.concatenate([s.colors for s in soups]),
         np.concatenate([s.part for s in soups]),
+        None
+        if soups[0].texels is None
+        else np.concatenate([s.texels for s in soups if s.texels is not None]),
     )

@@ -15,7 +15,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
 from bozzetto.errors import Cancelled
-from bozzetto.geometry import frozen
+from bozzetto.geometry import Texture, frozen
 from bozzetto.scene import DARK, LIGHT, Image, Layer, Lines, Points, Scene, Shaded
 from bozzetto.scene.renderer import render
 from bozzetto.view.camera import Camera
@@ -67,6 +67,11 @@ def pixels(image: QImage):
     image = image.convertToFormat(QImage.Format.Format_RGBA8888)
     rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1, 4)
     return rows[..., :3].astype(float)
+
+
+def pixels_of(viewport):
+    """What a viewport shows, at one pixel for a pixel of the sheet."""
+    return pixels(viewport.grab().scaled(*SIZE))
 
 
 def at(picture, camera, point):
@@ -276,6 +281,30 @@ def test_two_viewports_live_side_by_side(make, box_scene):
     first.deleteLater()
     QApplication.processEvents()
     np.testing.assert_allclose(pixels(second.grab()), two, atol=2)
+
+
+def test_a_picture_on_a_mesh_is_shown_as_in_a_still_picture(make):
+    """Both viewports, also where one mesh has a picture and others have none."""
+    ball = sphere(30.0, normals=True)
+    around = np.arctan2(ball.vertices[:, 1], ball.vertices[:, 0]) / (2 * np.pi) + 0.5
+    up = 0.5 - ball.vertices[:, 2] / 60.0
+    places = np.stack([around, up], 1)[ball.faces]
+    # where the picture's sides meet
+    places[..., 0] += (np.ptp(places[..., 0], axis=1) > 0.5)[:, None] * (places[..., 0] < 0.5)
+    rows, columns = np.indices((256, 256))
+    pixels = np.zeros((256, 256, 4), np.uint8)
+    pixels[..., 0], pixels[..., 1], pixels[..., 2] = rows, 60 + (columns // 32 % 2) * 120, 40
+    pixels[..., 3] = np.where(rows > 200, 0, 255)  # clear below
+    item = Shaded(ball, (60, 60, 220), texture=Texture(pixels, np.clip(places, 0, 1)))
+    scene = scene_of(item, Shaded(sphere(8.0, center=(0.0, -50.0, 20.0))))
+    viewport = make()
+    viewport.set_scene(scene)
+    viewport.set_camera(CAMERA)
+    shown = pixels_of(viewport)
+    still = render(scene, CAMERA, LIGHT)[..., :3].astype(float)
+    away = np.abs(shown - still).max(axis=2)
+    assert np.quantile(away, 0.97) < 25  # one of them darkens hollows
+    assert np.quantile(away[np.abs(still - LIGHT.paper).max(axis=2) > 60], 0.5) < 8
 
 
 def test_it_says_who_draws(make):

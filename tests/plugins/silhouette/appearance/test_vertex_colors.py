@@ -12,9 +12,12 @@ from bozzetto.errors import Cancelled, UserError
 from bozzetto.geometry import Placement
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
-from bozzetto.scene import Image
+from bozzetto.scene import LIGHT, Image, Layer, Scene, Shaded
+from bozzetto.scene.renderer import render
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
+from bozzetto.view.standard_views import standard_view
+from bozzetto_silhouette.appearance.picture_projection import projection_of
 from bozzetto_silhouette.appearance.surface_look import Painted, painted
 from bozzetto_silhouette.model.state import Group, Part, Picture, SilhouetteState
 from bozzetto_silhouette.modeler import Silhouette
@@ -236,6 +239,46 @@ def test_picture_and_parts_together_solve_and_hand_over_a_texture():
     assert len(solid.texture.corners) == len(solid.mesh.faces)
     plain = replace(state, picture=None)
     assert modeler.shapes(plain, modeler.solve(plain, Job())).solids[0].texture is None
+
+
+def test_the_sheet_shows_a_picture_as_finely_as_files_have_it():
+    """Lines of a sketch that are thinner than a triangle, as straight as they were drawn."""
+    pixels = np.full((400, 400, 4), 255, np.uint8)
+    pixels[::20, :, :2] = 0  # blue lines of one pixel in twenty
+    pixels[1::20, :, :2] = 0
+    picture = Picture(pixels, (-20, 0, 20), (40, 0, 0), (0, 0, -40))
+    state = SilhouetteState(nodes=(ball("a", 0, 0, 20),), picture=picture, resolution=CELLS)
+    modeler = Silhouette()
+    result = modeler.solve(state, Job())
+    (item,) = (one for layer in modeler.scene(state, result).layers if layer.name == "shape"
+               for one in layer.items)  # fmt: skip
+    assert item.texture is modeler.shapes(state, result).solids[0].texture
+    assert item.mesh.colors is None
+    front = standard_view(Camera("orthographic", height=44.0, viewport=(440, 440)), "front")
+    seen = render(Scene((Layer("shape", (item,)),)), front, LIGHT)[120:320, 120:320].astype(float)
+    x, z = np.meshgrid((np.arange(200) - 99.5) / 10.0, (99.5 - np.arange(200)) / 10.0)
+    places = np.stack([x, -np.sqrt(400.0 - x * x - z * z), z], -1).reshape(-1, 3)
+    coat = projection_of(picture, result.body.radius, 0.1).coat(places, places / 20.0)
+    wanted = (coat.rgb[:, 0] < 128).reshape(200, 200)
+    assert 0.05 < wanted.mean() < 0.15
+    blue = seen[..., 2] - seen[..., 0] > 60
+    assert (blue != wanted).mean() < 0.03
+    vertices = Shaded(painted(state, result.body).shown)
+    coarse = render(Scene((Layer("shape", (vertices,)),)), front, LIGHT)[120:320, 120:320]
+    coarse = coarse.astype(float)
+    assert ((coarse[..., 2] - coarse[..., 0] > 60) != wanted).mean() > 0.08
+
+
+def test_a_preview_shows_the_picture_that_is_known():
+    pixels = np.full((8, 8, 4), 90, np.uint8)
+    picture = Picture(pixels, (-10, 0, 10), (20, 0, 0), (0, 0, -20))
+    state = SilhouetteState(nodes=(ball("a", 0, 0, 20, RED),), picture=picture, resolution=32)
+    modeler = Silhouette()
+    assert modeler.solve(state, Job(quality="preview")).texture is None
+    final = modeler.solve(state, Job())
+    assert final.texture is not None
+    brushed = replace(state, brush_size=3.0)
+    assert modeler.solve(brushed, Job()).texture is final.texture
 
 
 def test_a_second_export_has_the_texture_of_the_first_until_a_colour_changes():
