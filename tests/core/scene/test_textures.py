@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import threading
 
 import numpy as np
 import pytest
@@ -83,7 +84,27 @@ def test_the_memory_does_not_outlive_its_pictures():
     kept = LevelCache(10**6)
     picture, other = noise(2, 2), noise(2, 3)
     kept.get(picture, "a", lambda: np.zeros(500, np.uint8))
+    kept.get(other, "a", lambda: np.zeros(7, np.uint8))
     del picture
     gc.collect()
-    kept.get(other, "a", lambda: np.zeros(7, np.uint8))
-    assert kept.held == 7
+    assert kept.held == 7, "at once, and not when another picture is looked at"
+    assert len(kept.get(other, "a", lambda: np.zeros(9, np.uint8))) == 7
+
+
+def test_pictures_that_come_and_go_in_threads_leave_nothing():
+    kept = LevelCache(2000)
+
+    def look(seed: int) -> None:
+        random = np.random.default_rng(seed)
+        for _ in range(300):
+            picture = noise(2, 2)
+            for name in random.permutation(4).tolist():
+                kept.get(picture, name, lambda: np.zeros(int(random.integers(900)), np.uint8))
+
+    threads = [threading.Thread(target=look, args=(seed,)) for seed in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    gc.collect()
+    assert kept.held == 0

@@ -12,6 +12,7 @@ import threading
 import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -46,6 +47,7 @@ class LevelCache:
 
     def __init__(self, most: int) -> None:
         self._most = most
+        self._held = 0
         self._known: OrderedDict[Hashable, tuple[weakref.ref[Bytes], Bytes]] = OrderedDict()
         self._lock = threading.RLock()  # frames are made beside the window's thread
 
@@ -60,24 +62,28 @@ class LevelCache:
         made = make()
         made.flags.writeable = False
         with self._lock:
-            self._known[key] = (weakref.ref(pixels), made)
-            self._known.move_to_end(key)
-            self._forget()
+            self._forget(key)
+            self._known[key] = (weakref.ref(pixels, partial(self._gone, key)), made)
+            self._held += made.nbytes
+            while self._held > self._most:
+                self._forget(next(iter(self._known)))
         return made
 
     @property
     def held(self) -> int:
         """Bytes held now."""
-        with self._lock:
-            return sum(made.nbytes for _, made in self._known.values())
+        return self._held
 
-    def _forget(self) -> None:
-        """Let go of what belongs to pictures that are gone, then of the oldest."""
-        for key in [k for k, (picture, _) in self._known.items() if picture() is None]:
-            del self._known[key]
-        held = self.held
-        while held > self._most:
-            held -= self._known.popitem(last=False)[1][1].nbytes
+    def _gone(self, key: Hashable, picture: weakref.ref[Bytes]) -> None:
+        """Let go of what was made of a picture that is no more."""
+        with self._lock:
+            found = self._known.get(key)
+            if found is not None and found[0] is picture:
+                self._forget(key)
+
+    def _forget(self, key: Hashable) -> None:
+        _, made = self._known.pop(key, (None, None))
+        self._held -= 0 if made is None else made.nbytes
 
 
 _levels = LevelCache(LEVELS_KEPT)
