@@ -236,6 +236,28 @@ def with_ends_caught(state: SymmetryState, context: Context) -> SymmetryState:
     return state.with_node(replace(node, edits=(*node.edits, *snaps)))
 
 
+def plane_near(place: Array, camera: Camera, state: SymmetryState) -> Array | None:
+    """Return the nearest place on the centre plane, or else on a face of the box, (3,) mm.
+
+    None beyond 8 px on the sheet and as much in depth.
+
+    Parameters
+    ----------
+    place : (3,) float
+        An end of a curve that is still being drawn, in the model's frame, mm.
+    camera : Camera
+        Through which it is drawn, in the model's frame.
+    state : SymmetryState
+        Its box and plane.
+    """
+    reach = Reach.of(place, camera)
+    if reach is None:
+        return None
+    _, grow = reach.stretched(0.0)
+    found = _among_planes(place, grow, _centre_plane(state))
+    return _among_planes(place, grow, _faces(state)) if found is None else found
+
+
 def _among_points(place: Array, shrink: Array, known: Targets) -> int | None:
     if not len(known.points):
         return None

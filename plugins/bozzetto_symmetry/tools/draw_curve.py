@@ -27,7 +27,13 @@ from bozzetto_symmetry.view.box import segments
 from bozzetto_symmetry.view.drawing_plane import PLANE_TOOL
 from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.live_preview import GrowingCurve
-from bozzetto_symmetry.view.magnets import caught_by, guide_layer, magnet_layer, tangent_layer
+from bozzetto_symmetry.view.magnets import (
+    caught_by,
+    guide_layer,
+    magnet_layer,
+    on_plane,
+    tangent_layer,
+)
 
 LIVE_WIDTH: Final = 2.5
 """Width of a curve that grows, px."""
@@ -121,32 +127,48 @@ class GrowingPreview(Preview[SymmetryState]):
         if not isinstance(gesture, Ink) or gesture.erases:
             return Scene()
         stroke = gesture.strokes[-1]
-        held = self._magnets(gesture.camera, stroke.points[[0, -1]])
+        grown = self._grown(gesture)
+        held = self._magnets(gesture.camera, stroke.points[[0, -1]], grown)
         if self._places is not None:
             held = (*held, *tangent_layer(stroke, self._places, self.context.pen.tolerance))
         if self.state.snapping and self.state.lay == "space":
             held = (*held, *guide_layer(self.state, stroke))
-        return Scene(held) + self._grown(gesture)
+        return Scene(held) + (Scene() if grown is None else _scene_of(self.state, grown))
 
-    def _magnets(self, camera: Camera, pixels: Array) -> tuple[Layer, ...]:
+    def _magnets(
+        self, camera: Camera, pixels: Array, grown: Array | None = None
+    ) -> tuple[Layer, ...]:
+        """Return what holds the pen at some places (n, 2) of the sheet.
+
+        Where nothing does at one of them, the place in space that has grown there may lie on a
+        face of the box or on the centre plane; without depth nothing can.
+        """
         if not self.state.snapping:
             return ()
         if self._places is None:
             self._places = known_places(self.state, self.context)
         tolerance = self.context.pen.tolerance
-        return magnet_layer(caught_by(pixel, camera, self._places, tolerance) for pixel in pixels)
+        held = [caught_by(pixel, camera, self._places, tolerance) for pixel in pixels]
+        if grown is not None:
+            ends = self.state.plane.placement.points(grown[[0, -1]])
+            held = [
+                on_plane(end, camera, self.state) if place is None else place
+                for place, end in zip(held, ends, strict=True)
+            ]
+        return magnet_layer(held)
 
-    def _grown(self, ink: Ink) -> Scene:
+    def _grown(self, ink: Ink) -> Array | None:
+        """Return the curve in space so far, (n, 3) mm in the frame of the plane."""
         if self.state.lay != "space":
-            return Scene()
+            return None
         if not self._is_known:
             self._side = _waiting_side(self.state, ink.camera)
             self._is_known = True
         if self._side is None:
-            return Scene()
+            return None
         canvas, growing = self._side
         points = growing.points(on_canvas(ink.strokes[-1], canvas).points)
-        return _scene_of(self.state, points) if len(points) > 1 else Scene()
+        return points if len(points) > 1 else None
 
 
 def rungs(points: Array, step: float) -> Array:

@@ -10,12 +10,12 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.ink import Stroke
 from bozzetto.scene import Item, Layer, Lines, Points
-from bozzetto.view import Camera
+from bozzetto.view import Camera, triple
 from bozzetto_symmetry.model.axes import AXES, AXIS_PAINTS
 from bozzetto_symmetry.model.perspective import pixel_size, toward_vanishing
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.drawn_snaps import axis_drawn
-from bozzetto_symmetry.operations.snap_candidates import SMOOTH
+from bozzetto_symmetry.operations.snap_candidates import SMOOTH, plane_near
 from bozzetto_symmetry.operations.snap_targets import Place, Targets, nearest_target
 
 POINT_SIZE, SEGMENT_SIZE, OPACITY = 13.0, 9.0, 0.6
@@ -41,6 +41,25 @@ def caught_by(pixel: Array, camera: Camera, known: Targets, tolerance: float) ->
     if place is None or place.kind in ("end", "crossing", "corner") or place.pixels <= tolerance:
         return place
     return None
+
+
+def on_plane(place: Array, camera: Camera, state: SymmetryState) -> Place | None:
+    """Return the place on a face of the box or the centre plane that holds an end of a curve.
+
+    Parameters
+    ----------
+    place : (3,) float
+        The end, as far as it is drawn, in the model's frame, mm.
+    camera : Camera
+        Through which it is drawn, in the model's frame.
+    state : SymmetryState
+        Its box and plane.
+    """
+    point = plane_near(place, camera, state)
+    if point is None:
+        return None
+    away = camera.project(np.stack((place, point)))[0]
+    return Place(triple(point), "edge", float(np.linalg.norm(away[1] - away[0])))
 
 
 def magnet_layer(places: Iterable[Place | None]) -> tuple[Layer, ...]:

@@ -174,6 +174,34 @@ def test_the_magnet_is_shown_on_the_sheet() -> None:
     assert "magnets" not in layers(SymmetryState(snapping=False), 5.0)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("end", "face"),
+    [((20.0, 30.0, 50.0), 50.0), ((20.0, 30.0, 49.0), 50.0), ((20.0, 30.0, 30.0), None)],
+)
+def test_a_face_of_the_box_that_holds_an_end_is_shown(
+    side: float, end: tuple[float, ...], face: float | None
+) -> None:
+    """Once the second side gives its first a depth; the curve ends there when the pen is lifted."""
+    curve = bow((-40.0, 20.0, 0.0), end, (0.0, 10.0, 0.0))
+    first = drawn(SymmetryState(), curve * (1.0, side, 1.0), noise=0.0, both=False)
+    pixels = s.drawn(curve * (1.0, -side, 1.0), VIEW, noise=0.0)
+    ink = Ink((Stroke(pixels[:, 0], pixels[:, 1], VIEW),))
+    shown = {layer.name: layer for layer in preview_of(DrawCurve(), first, ink, CONTEXT).layers}
+    if face is None:
+        marks = shown["magnets"].items if "magnets" in shown else ()
+        held = np.array([mark.points[0] for mark in marks]).reshape(-1, 3)
+        assert not (np.abs(np.abs(held) - (100.0, 50.0, 50.0)) < 1e-3).any()
+        return
+    (mark,) = shown["magnets"].items
+    assert mark.points[0, 2] == pytest.approx(face, abs=1e-4)
+    assert np.linalg.norm(mark.points[0] - np.array(end) * (1.0, side, 1.0)) < 6.0
+    done = DrawCurve().apply(first, ink, CONTEXT)
+    assert np.abs(places(done)[:, 2] - face).min() < 1e-6
+    off = preview_of(DrawCurve(), replace(first, snapping=False), ink, CONTEXT)
+    assert "magnets" not in {layer.name for layer in off.layers}
+
+
 @pytest.mark.parametrize("degrees", [-60.0, -20.0, -4.0, 0.0, 4.0, 20.0, 60.0])
 @pytest.mark.parametrize("last", [False, True])
 def test_a_direction_that_the_curve_will_take_is_shown(degrees: float, last: bool) -> None:
