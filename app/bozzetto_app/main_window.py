@@ -180,6 +180,7 @@ class Window(QMainWindow):
         session.drawing.opened.connect(self.replays.stop)
         session.files.busy_changed.connect(self._saving_ended)
         session.toolbox.modeler_changed.connect(self._say_what_first)
+        session.files.exchange.busy_changed.connect(self._say_what_first_once_read)
         session.files.when_safe = self.files.when_safe
         self.canvas.hand.ink_began.connect(self._ink_began)
         self._restore_layout()
@@ -448,6 +449,14 @@ class Window(QMainWindow):
         )
         if modeler and not drawn:
             self.canvas.show_hint(self.session.hints.step.sentence)
+
+    def _say_what_first_once_read(self, reads: bool) -> None:
+        """Ask for nothing on an empty sheet while a file is read that is to lie there."""
+        if reads:
+            self.canvas.show_hint("")
+        else:
+            self._said_first = ""
+            self._say_what_first()
 
     def _show_title(self) -> None:
         if len(self.session.drawing.document):

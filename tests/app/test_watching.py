@@ -59,6 +59,8 @@ def test_a_car_among_the_samples_shows_its_sketch_and_opens_with_it(window, sett
     assert shown is not None
     assert not shown.isNull()
     window.welcome.sample_chosen.emit(info.id, sample, "Sample")
+    assert session.files.exchange.busy
+    assert not window.canvas.empty_hint.isVisible(), "asks for nothing while it is read"
     settle(session)
     (model,) = session.drawing.document.models
     (sketch,) = model.state.sketches
@@ -66,6 +68,20 @@ def test_a_car_among_the_samples_shows_its_sketch_and_opens_with_it(window, sett
     assert (sketch.picture.width, sketch.picture.height) == sketch.size
     assert session.toolbox.modeler == info.id
     assert not window.welcome.isVisible()
+
+
+def test_what_to_do_first_is_said_again_where_a_file_could_not_be_read(window, tmp_path, settle):
+    settle(window.session)
+    broken = tmp_path / "broken.json"
+    broken.write_text("{")
+    hint = window.canvas.empty_hint
+    before = hint.text
+    assert before
+    window.session.files.exchange.import_file(broken)
+    assert not hint.isVisible()
+    settle(window.session)
+    assert hint.isVisible()
+    assert hint.text == before
 
 
 def test_the_strip_goes_with_the_first_ink_and_leaves_room_for_the_hint(window):
