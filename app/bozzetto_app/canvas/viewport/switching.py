@@ -30,7 +30,7 @@ __all__ = ["GL_PATIENCE", "Viewports"]
 
 log = logging.getLogger(__name__)
 
-GL_PATIENCE: Final = 4000
+GL_PATIENCE: Final = 12_000
 """How long the first OpenGL picture may take before the software one stays, milliseconds."""
 
 
