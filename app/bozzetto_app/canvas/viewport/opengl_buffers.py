@@ -101,13 +101,21 @@ def surface(items: Sequence[Shaded], palette: Palette, shading: Shading = "clay"
 def textured_surface(item: Shaded, texture: Texture, palette: Palette, shading: Shading) -> Batch:
     """Return the buffer of a mesh with a texture: as `surface`, then place in the picture 2.
 
-    Each corner of each triangle is a vertex of its own.
+    A corner has a vertex of its own where another one has taken the vertex to another place.
     """
     bare = surface([item], palette, shading)
-    corners = bare.vertices[bare.indices]
-    corners[:, 6] = 1.0
-    vertices = np.concatenate((corners, texture.corners.reshape(-1, 2)), axis=1)
-    return Batch(vertices, (*bare.widths, 2), np.arange(len(vertices), dtype=np.uint32))
+    places = texture.corners.reshape(-1, 2)
+    common = np.zeros((len(bare.vertices), 2), np.float32)
+    common[bare.indices] = places
+    apart = np.flatnonzero((common[bare.indices] != places).any(axis=1))
+    block = np.empty((len(common) + len(apart), 14), np.float32)
+    block[: len(common), :12], block[: len(common), 12:] = bare.vertices, common
+    block[len(common) :, :12] = bare.vertices[bare.indices[apart]]
+    block[len(common) :, 12:] = places[apart]
+    block[:, 6] = 1.0
+    indices = bare.indices.copy()
+    indices[apart] = len(common) + np.arange(len(apart), dtype=np.uint32)
+    return Batch(block, (*bare.widths, 2), indices)
 
 
 def _split(mesh: Mesh) -> tuple[NDArray[np.intp], Floats, Indices]:
