@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+from functools import cache
 from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 from PySide6.QtGui import QGuiApplication, QImage, QOffscreenSurface, QOpenGLContext
@@ -114,15 +115,21 @@ def choose_backend() -> BackendName:
         log.warning("%s=%s is neither software nor gl", BACKEND_VARIABLE, asked)
     if QGuiApplication.platformName() in SCREENLESS:
         return "software"
+    return "gl" if _has_context() else "software"
+
+
+@cache
+def _has_context() -> bool:
+    """Whether a context of a version that will do can be made; asked once in a process."""
     context = QOpenGLContext()
     if not context.create():
-        return "software"
+        return False
     surface = QOffscreenSurface()
     surface.setFormat(context.format())
     surface.create()
     if not context.makeCurrent(surface):
-        return "software"
+        return False
     version = context.format().version()
-    usable = tuple(version) >= LEAST_GL and not context.isOpenGLES()
+    is_usable = tuple(version) >= LEAST_GL and not context.isOpenGLES()
     context.doneCurrent()
-    return "gl" if usable else "software"
+    return is_usable
