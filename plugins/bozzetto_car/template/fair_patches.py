@@ -13,10 +13,14 @@ Over a smooth edge the derivatives across it are as −k to 1, with one k all al
 (`geometry.patches.crease`). Coons patches have that, and keep it if the inner control points on
 both sides of an end of the edge move as −k to 1, too. Corners round a node that smooth edges join
 so have one unknown, a *row*. Edges stay, and with them the tangent plane in every node.
+
+Where four creases meet, as in the rear corner of a car with a tailgate, twists stay 0: nothing
+ties the patches to one another there, and each alone turned its corner by up to 180 mm.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -84,11 +88,12 @@ class _Corners:
     images : (r, 4, 2) int
         Patch and corner that are the mirror image of each corner.
     member : (4 r, n) float
-        1 where a corner is one of a row of those that smooth edges join, else 0.
+        1 where a corner is one of a row of those that smooth edges join, else 0. Corners where four
+        creases meet are in none.
     held : (n,) bool
         Rows beside a smooth edge in the middle of the car: its twist is across the car.
     signs : (4 r,) float
-        The change of each corner is the row's, or opposite to it.
+        The change of each corner is the row's, or opposite to it; 0 of those in none.
     crossed : (c, 2, 2) int
         Two tangents, each as edge and end, that run on in each other over a smooth edge.
     powers : (4 r, c) float
@@ -137,10 +142,14 @@ def _corners(template: Template) -> _Corners:
             elif two in number:
                 held.add((two, there))
     rows: list[list[Corner]] = []
+    crossings = _crossings(template)
     signs = np.zeros((len(right), 4))
     powers = np.zeros((len(right), 4, len(crossed)))
     for first in ((patch, corner) for patch in right for corner in range(4)):
-        if signs[number[first[0]], first[1]]:
+        if (
+            signs[number[first[0]], first[1]]
+            or template.patches[first[0]].nodes[first[1]] in crossings
+        ):
             continue
         signs[number[first[0]], first[1]] = 1.0
         rows.append([first])
@@ -164,6 +173,15 @@ def _corners(template: Template) -> _Corners:
         np.array(crossed, np.intp).reshape(-1, 2, 2),
         powers.reshape(-1, len(crossed)),
     )
+
+
+def _crossings(template: Template) -> set[int]:
+    """Return the nodes in which four creases meet or more, and nothing else."""
+    count = Counter(template.edges[sorted(template.creases)].ravel().tolist())
+    others = set(range(len(template.edges))) - template.creases
+    return {node for node, creases in count.items() if creases >= 4} - {
+        int(node) for node in template.edges[sorted(others)].ravel()
+    }
 
 
 def _crossing(template: Template, patch: int, side: int, corner: int) -> tuple[int, int]:
