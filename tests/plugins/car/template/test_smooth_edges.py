@@ -130,7 +130,7 @@ def test_a_car_that_was_not_kept_smooth_is_saved_with_its_creases() -> None:
     image = template.mirrored_edges[edge]
     for name in ("S3.R-S2.R", "B3.R-B2.R"):
         neighbour = edge_called(template, name)
-        tangents[neighbour, 0] *= 0.4 if name == "S3.R-S2.R" else 2.5
+        tangents[neighbour, 0] *= 0.2 if name == "S3.R-S2.R" else 5.0
         tangents[template.mirrored_edges[neighbour], 0] = tangents[neighbour, 0] * MIRROR
     broken = Network(template, template.positions, tangents)
     made = read_template(template_file(bundled_file("sedan").decode(), broken, "Broken"))
