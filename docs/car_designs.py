@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bozzetto.view import Camera
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.template.model import Template
-from bozzetto_car.template.network import Network, junctions, with_tangents
+from bozzetto_car.template.network import Network, edge_called, junctions, with_tangents
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -103,10 +103,25 @@ CORNERS: Mapping[str, Mapping[str, tuple[Point, Point]]] = {
 the one along the side. The body goes round its corners softer than the templates do, though not
 quite smoothly: with both ways in one direction a patch would have no corner."""
 
+SCREENS: Mapping[str, Mapping[str, tuple[int, Point]]] = {
+    "sedan": {},
+    "hatchback": {},
+    "minivan": {
+        "C5-C6": (1, (60.548, 0.0, -572.995)),
+        "S5.R-R3.R": (0, (-223.484, -109.38, 574.998)),
+    },
+}
+"""Tangents at the foot of the rear window, mm, at the start (0) or the end (1) of an edge: it
+bulges more than that of the template."""
+
 
 def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
     """The car that was drawn on a template's topology, and the cameras it was drawn through."""
     network = turned(Network.of(template, placed(template)))
+    feet = SCREENS[template.id].items()
+    network = with_tangents(
+        network, {(edge_called(template, edge), end): way for edge, (end, way) in feet}
+    )
     network = pull_out_panels(cornered(streamlined(network)))
     return network, tuple(camera(network.positions, *view) for view in VIEWS[template.id])
 

@@ -44,6 +44,12 @@ TEMPLATE = (300, 170)
 TEMPLATE_SEEN = ((38.0, 13.0), (142.0, 16.0))
 """From where templates are seen: azimuth and elevation, degrees."""
 
+TWISTS = (480, 270)
+"""Size of a picture of twists, px."""
+
+TWISTS_SEEN = ((150.0, 15.0), (40.0, 15.0))
+"""From where the cars with twists are seen: azimuth and elevation, degrees."""
+
 FAINT = 0.5
 """Strength of a sketch that has lines over it."""
 
@@ -122,6 +128,35 @@ def templates() -> None:
         plain = unicodedata.normalize("NFD", bundled(name).title).encode("ascii", "ignore")
         words.text(below, plain.decode(), LIGHT.ink, anchor="mm", font_size=17)
     save(np.asarray(sheet), "car-templates.png", smooth=True)
+
+
+def twists() -> None:
+    """Zebra stripes on a sedan and a hatchback, each with twists of 0 and with those it has."""
+    import numpy as np
+
+    from bozzetto.geometry.patches import Patchwork, coons_nets, shaded
+    from bozzetto.scene import DARK, LIGHT, Layer, Scene, Shaded, render
+    from bozzetto.view import Camera, fit_points, triple
+    from bozzetto_car.template.fair_patches import fair_nets
+    from bozzetto_car.template.loader import bundled
+    from bozzetto_car.template.model import ViewHint
+    from bozzetto_car.template.network import Network
+
+    rows = []
+    for name, palette, seen in zip(("sedan", "hatchback"), (LIGHT, DARK), TWISTS_SEEN, strict=True):
+        network = Network.of(bundled(name))
+        edges, sides = network.control_points, network.template.sides
+        row = []
+        for nets in (coons_nets(edges, sides), fair_nets(network)):
+            mesh = shaded(Patchwork(nets, edges, sides.astype(np.int32)), 24)
+            body = Scene((Layer("body", (Shaded(mesh, finish="zebra"),)),))
+            places = nets.reshape(-1, 3)
+            middle = places.mean(axis=0)
+            eye = triple(middle + 14_000.0 * ViewHint(*seen).toward_eye)
+            near = Camera("perspective", eye, triple(middle), fov_y=24.0, viewport=TWISTS)
+            row.append(render(body, fit_points(near, places, 0.05), palette, size=TWISTS))
+        rows.append(np.hstack(row))
+    save(np.vstack(rows), "car-twists.png", smooth=True)
 
 
 def built(name: str) -> tuple[Workbench, Model]:

@@ -42,6 +42,7 @@ def main() -> int:
     car_pictures.gallery()
     car_pictures.bodies()
     car_pictures.templates()
+    car_pictures.twists()
     car_pictures.window()
     solid_pictures.samples()
     solid_pictures.linkages()

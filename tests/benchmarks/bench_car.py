@@ -28,6 +28,7 @@ from bozzetto_car.solver.uncertainty import certainty, further_views
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.styling.curve import project_stroke
 from bozzetto_car.styling.live_preview import Growing
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called
@@ -256,6 +257,10 @@ def surface_rows(template: Template) -> Iterator[Row]:
     )
     yield Row("car", "28 patches from their edges, 13 × 13 places", ours, "ms", "≤ 0.5 ms",
               "SciPy's NdBSpline, without making the patches", other)  # fmt: skip
+    network = Network.of(template)
+    fair, plain = in_turn(lambda: fair_nets(network), lambda: coons_nets(edges, sides), repeats=51)
+    yield Row("car", "patches of a car of least variation", fair, "ms", "≤ 1 ms",
+              "the same with twists of 0", plain)  # fmt: skip
     for what, work, budget in (
         ("their normals", lambda: grid_normals(nets, steps, steps), "≤ 0.5 ms"),
         ("the colours of their curvature", lambda: curvature_colors(nets), "≤ 3 ms"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches import Patchwork, coons_nets, crease_angles, extent
+from bozzetto.geometry.patches import Patchwork, crease_angles, extent
 from bozzetto.plugin import cached_property, override, remembered
 from bozzetto.view import Camera, triple
 from bozzetto.view.calibration import resect
@@ -38,6 +38,7 @@ from bozzetto_car.solver.nodes_on_mesh import FEWEST
 from bozzetto_car.solver.pipeline import Solved, solve_car
 from bozzetto_car.state import BentEdge, BodyEdit, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.blend import can_blend
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.line_joints import with_joints
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, edge_called, node_called, with_positions
@@ -123,7 +124,7 @@ class Body:
     @cached_property
     def nets(self) -> Array:
         """Control nets of the patches, (k, 4, 4, 3) mm."""
-        return coons_nets(self.network.control_points, self.template.sides)
+        return fair_nets(self.network)
 
     @cached_property
     def patchwork(self) -> Patchwork:

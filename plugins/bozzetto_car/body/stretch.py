@@ -10,9 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry.patches import coons_nets, extent
+from bozzetto.geometry.patches import extent
 from bozzetto_car.body.dimension_map import Reshaping, fit_reshaping
 from bozzetto_car.dimensions import Dimensions
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.network import Network
 
 
@@ -78,4 +79,4 @@ def undo_stretch(network: Network, there: Network, changed: Network, map_: Resha
 
 def _box(network: Network) -> Array:
     """Return the least and greatest coordinates of the surfaces, (2, 3) mm."""
-    return extent(coons_nets(network.control_points, network.template.sides))
+    return extent(fair_nets(network))

@@ -15,12 +15,14 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
-from bozzetto.geometry.patches import coons_nets, extent
+from bozzetto.geometry.patches import extent
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
 from bozzetto_car.solver.nodes_on_mesh import in_the_middle
 from bozzetto_car.state import CarMesh, SurfacePoint
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.model import Template
+from bozzetto_car.template.network import Network
 
 NEAR_MIDDLE: Final = 0.1
 """Farthest place of a touch on the middle of the car from it, in widths of the mesh. A touch
@@ -120,7 +122,7 @@ def _first_hit(mesh: Mesh, camera: Camera, at: Array) -> Array | None:
 
 def wheel_plane(template: Template, number: int, half: float) -> float:
     """Return how far the centre of a wheel is from the middle of a car of a half width, mm."""
-    own = extent(coons_nets(template.control_points, template.sides))[1, 1]
+    own = extent(fair_nets(Network.of(template)))[1, 1]
     return float(abs(template.positions[number, 1]) / own * half)
 
 

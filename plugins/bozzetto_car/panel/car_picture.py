@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bozzetto.arrays import Array
-from bozzetto.geometry.patches import Patchwork, coons_nets, shaded
+from bozzetto.geometry.patches import Patchwork, shaded
 from bozzetto.plugin import remembered
 from bozzetto.scene import Layer, Palette, Scene, Shaded, render
 from bozzetto.view import Camera, fit_points, triple
 from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.network import Network
 from bozzetto_car.view.edge_items import network_lines
@@ -134,7 +135,7 @@ def _painted(template: Template, node: str, palette: Palette) -> Scene:
 def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Scene:
     network = Network.of(template)
     sides = template.sides.astype(np.int32)
-    nets = coons_nets(network.control_points, sides)
+    nets = fair_nets(network)
     mesh = shaded(Patchwork(nets, network.control_points, sides), DIVISIONS)
     clay = np.array(palette.clay, float)
     colors = np.full((len(template.patches), (DIVISIONS + 1) ** 2, 4), 255, np.uint8)

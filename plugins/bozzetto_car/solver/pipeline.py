@@ -17,7 +17,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches import coons_nets, extent
+from bozzetto.geometry.patches import extent
 from bozzetto.plugin import remembered
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
@@ -35,6 +35,7 @@ from bozzetto_car.solver.nodes_on_mesh import nodes_on_mesh
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.state import TRACE, CarMesh, CarState, Sketch
 from bozzetto_car.template.blend import blended, can_blend
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES, bundled, read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network
@@ -356,6 +357,5 @@ def _with_residuals(
 
 def _overlap(template: Template) -> Overlap:
     """Return how far the template's surface bulges beyond its nodes, which hardly changes."""
-    sides = np.array([patch.edges for patch in template.patches])
-    box = extent(coons_nets(Network.of(template).control_points, sides))
+    box = extent(fair_nets(Network.of(template)))
     return Overlap.of(template, template.positions, box)

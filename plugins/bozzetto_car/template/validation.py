@@ -13,8 +13,10 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry.patches import SMOOTH, coons_nets, crease_angles
+from bozzetto.geometry.patches import SMOOTH, crease_angles
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.model import MIRROR, Template
+from bozzetto_car.template.network import Network
 from bozzetto_car.template.network_validation import chain_faults, edge_faults, patch_faults
 from bozzetto_car.template.shape_constraints import Soundness
 
@@ -55,7 +57,7 @@ def undeclared_creases(template: Template) -> list[str]:
     template : Template
         A template in which `check` has found nothing.
     """
-    nets = coons_nets(template.control_points, template.sides)
+    nets = fair_nets(Network.of(template))
     angles = crease_angles(nets, template.sides, len(template.edges))
     return [
         f"The surface breaks by {angles[edge]:.2g}° over the edge {template.edge_names[edge]}, "

@@ -20,7 +20,8 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches import SMOOTH, coons_nets, crease_angles
+from bozzetto.geometry.patches import SMOOTH, crease_angles
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import read_template
 from bozzetto_car.template.model import AXES, Rule, Template, ViewHint
 from bozzetto_car.template.network import Network
@@ -142,8 +143,7 @@ def _chains(template: Template) -> dict[str, Any]:
 def _broken(network: Network, keys: Collection[str], right: dict[str, int]) -> list[str]:
     """Return the edges over which the surface of a car breaks although they were no creases."""
     template = network.template
-    nets = coons_nets(network.control_points, template.sides)
-    angles = crease_angles(nets, template.sides, len(template.edges))
+    angles = crease_angles(fair_nets(network), template.sides, len(template.edges))
     broken = template.smooth_edges & (angles > SMOOTH)
 
     def edge(key: str) -> int:

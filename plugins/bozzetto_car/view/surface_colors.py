@@ -8,16 +8,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bozzetto.arrays import Array
-from bozzetto.geometry.patches import grid_curvatures, shaded_parameters
+from bozzetto.arrays import Array, cross_product
+from bozzetto.geometry.patches import grid, grid_curvatures, shaded_parameters
 from bozzetto_car.solver.uncertainty import Source
 from bozzetto_car.template.model import Template
 
 Colors = NDArray[np.uint8]
 
 LOUDEST: Final = 95.0
-"""Percentile of the absolute curvatures of a body that gets the full colour. Scaled to the largest,
-such as that of the corner of a bumper, all the rest would be grey."""
+"""Share of the area of a body, %, that bends less than what gets the full colour. Scaled to the
+largest curvature, such as that of the corner of a bumper, all the rest would be grey."""
 
 GENTLE: Final = 6.0
 """The scale is linear below a sixth of its end, and logarithmic above."""
@@ -49,8 +49,8 @@ and greyer the less is known."""
 def curvature_colors(nets: ArrayLike, divisions: int = 12) -> Colors:
     """Return the mean curvature as a colour at every vertex of `patches.tessellation.shaded`.
 
-    Hollows are blue, flat places grey, bulges red. The scale ends at the `LOUDEST` percentile
-    of the body's own curvatures; on the way there it is linear first, and then logarithmic
+    Hollows are blue, flat places grey, bulges red. The scale ends where `LOUDEST` percent
+    of the body's area bend less; on the way there it is linear first, and then logarithmic
     (inverse hyperbolic sine): between the crown of a door and the corner of a bumper lie three
     powers of ten.
 
@@ -68,11 +68,23 @@ def curvature_colors(nets: ArrayLike, divisions: int = 12) -> Colors:
     """
     at = shaded_parameters(divisions)
     mean = grid_curvatures(nets, at, at).mean.ravel()
-    scale = float(np.percentile(np.abs(mean), LOUDEST)) if len(mean) else 0.0
+    scale = _loudest(np.abs(mean), nets, at)
     share = np.clip(mean / scale, -1.0, 1.0) if scale > FLAT else np.zeros(len(mean))
     level = np.arcsinh(GENTLE * share) / np.arcsinh(GENTLE)
     stops = np.linspace(-1.0, 1.0, len(BENDS))
     return _opaque(np.stack([np.interp(level, stops, part) for part in BENDS.T], axis=1))
+
+
+def _loudest(bends: Array, nets: ArrayLike, at: Array) -> float:
+    """Return the curvature up to which `LOUDEST` percent of the area of patches bend, 1/mm."""
+    if not len(bends):
+        return 0.0
+    areas = np.linalg.norm(
+        cross_product(grid(nets, at, at, du=1), grid(nets, at, at, dv=1)), axis=-1
+    )
+    order = np.argsort(bends)
+    below = np.cumsum(areas.ravel()[order])
+    return float(bends[order[np.searchsorted(below, 0.01 * LOUDEST * below[-1])]])
 
 
 def certainty_colors(template: Template, sources: Sequence[Source], divisions: int = 12) -> Colors:

@@ -15,7 +15,6 @@ from scipy.optimize import minimize
 
 from bozzetto.geometry.patches import (
     SMOOTH,
-    coons_nets,
     crease_angles,
     grid,
     grid_curvatures,
@@ -23,8 +22,10 @@ from bozzetto.geometry.patches import (
 from bozzetto.geometry.patches.patch import grid_normals
 from bozzetto.scene.renderer.zebra import TUBES
 from bozzetto_car.body.build import body_of
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
 from bozzetto_car.template.model import Template, ViewHint
+from bozzetto_car.template.network import Network
 from tests.plugins.car.held_out import held_out
 from tests.plugins.car.marked_points import marked
 from tests.plugins.car.sketched import FRONT_QUARTER, rubbery, styled
@@ -56,22 +57,22 @@ SIGHTS = tuple(ViewHint(turn, rise).toward_eye for turn in range(0, 360, 30) for
 
 @dataclass(frozen=True)
 class Car:
-    """The edges of a car; its patches follow.
+    """The patches of a car.
 
     Attributes
     ----------
     template : Template
-    edges : (m, 4, 3) float
-        mm.
+    nets : (k, 4, 4, 3) float
+        Control points, mm.
     """
 
     template: Template
-    edges: Array
+    nets: Array
 
-    @property
-    def nets(self) -> Array:
-        """Control nets of the patches."""
-        return coons_nets(self.edges, self.template.sides)
+    @classmethod
+    def of(cls, network: Network) -> Car:
+        """Return the car of a network."""
+        return cls(network.template, fair_nets(network))
 
 
 def solved(name: str) -> Iterator[Car]:
@@ -88,7 +89,7 @@ def solved(name: str) -> Iterator[Car]:
         cars = [make(template, seed) for seed in OTHERS for make in (styled, rubbery)]
     for number, car in enumerate(cars):
         state = marked(template, car, (FRONT_QUARTER,), SEED + number).state
-        yield Car(template, body_of(state).network.control_points)
+        yield Car.of(body_of(state).network)
 
 
 def areas(nets: Array, at: Array = PLACES) -> Array:
@@ -246,7 +247,7 @@ def main() -> None:
     print("| --- " * (len(HEAD) + 4) + "|")
     for name in TEMPLATES:
         template = bundled(name)
-        car = Car(template, template.control_points)
+        car = Car.of(Network.of(template))
         inner = len(template.edges) - len(template.rim)
         row = [template.title, f"{inner}", f"{len(template.creases)}"]
         row += cells(judged(car)[None])

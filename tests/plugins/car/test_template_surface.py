@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bozzetto.geometry.patches import coons_nets, extent
+from bozzetto.geometry.patches import extent
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Patch, Template
 from bozzetto_car.template.network import Network
@@ -90,7 +91,7 @@ def test_surfaces_lie_open_and_do_not_fold(template: Template) -> None:
 
 
 def test_the_highest_point_of_the_roof_is_the_highest(template: Template) -> None:
-    box = extent(coons_nets(Network.of(template).control_points, template.sides))
+    box = extent(fair_nets(Network.of(template)))
     assert "highest point" in template.titles["C4"]
     assert box[1, 2] == pytest.approx(template.positions[template.node["C4"], 2], abs=0.01)
 

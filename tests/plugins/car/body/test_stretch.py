@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.crease import crease_angles
 from bozzetto.geometry.patches.patch import extent
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.network import Network, junctions, with_positions, with_tangents
 from tests.plugins.car.sketched import styled
@@ -26,7 +26,7 @@ MAPS = [
 
 
 def wanted(network: Network, **factors: float) -> Dimensions:
-    nets = coons_nets(network.control_points, network.template.sides)
+    nets = fair_nets(network)
     now = measure_dimensions(
         extent(nets), *network.positions[network.template.wheels[:, 0], 0]
     ).given()
@@ -82,8 +82,7 @@ def test_what_was_smooth_stays_so_exactly(name: str) -> None:
         size = np.linalg.norm(one) * np.linalg.norm(other)
         assert np.linalg.norm(np.cross(one, other)) < 1e-9 * size
     before, after = (
-        np.nan_to_num(crease_angles(coons_nets(n.control_points, sides), sides, edges))
-        for n in (network, made)
+        np.nan_to_num(crease_angles(fair_nets(n), sides, edges)) for n in (network, made)
     )
     assert after[before < 1e-6].max() < 1e-5
 

@@ -9,7 +9,7 @@ import pytest
 
 from bozzetto.exchange.cad.step import write_shapes
 from bozzetto.geometry import Shapes, brep_mesh, counted_mesh, meshed
-from bozzetto.geometry.patches import Places, coons_nets, foot_points, points_at
+from bozzetto.geometry.patches import Places, foot_points, points_at
 from bozzetto_car.body.build import body_of
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.wheels import SPOKES
@@ -20,6 +20,7 @@ from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.parts.windows import LAID, SET_IN, inset_meshes
 from bozzetto_car.state import CarState
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES
 from tests.plugins.car.held_out import near_template
 from tests.plugins.car.marked_car import marked
@@ -148,8 +149,7 @@ def test_cars_that_no_template_knows_are_closed():
     cars = [*near_template(range(900, 904)), *near_template(range(911, 912))]
     for car in cars:
         network = fair_network(car.template, car.positions)
-        nets = coons_nets(network.control_points, network.template.sides)
-        assert closed_body(network, nets).is_closed
+        assert closed_body(network, fair_nets(network)).is_closed
 
 
 @pytest.mark.parametrize("name", TEMPLATES)

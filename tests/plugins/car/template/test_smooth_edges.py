@@ -11,11 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 from bozzetto.errors import FormatError
-from bozzetto.geometry.patches import coons_nets, crease_angles
+from bozzetto.geometry.patches import crease_angles
 from bozzetto_car.body.build import body_of
 from bozzetto_car.body.chain_smoothing import lock_ratios
 from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.state import CarState
+from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES, bundled, bundled_file, read_template
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import Network, edge_called
@@ -42,8 +43,7 @@ KINDS = {
 
 def angles_of(network: Network) -> Array:
     template = network.template
-    nets = coons_nets(network.control_points, template.sides)
-    return crease_angles(nets, template.sides, len(template.edges))
+    return crease_angles(fair_nets(network), template.sides, len(template.edges))
 
 
 @pytest.mark.parametrize("name", TEMPLATES)
@@ -130,7 +130,7 @@ def test_a_car_that_was_not_kept_smooth_is_saved_with_its_creases() -> None:
     image = template.mirrored_edges[edge]
     for name in ("S3.R-S2.R", "B3.R-B2.R"):
         neighbour = edge_called(template, name)
-        tangents[neighbour, 0] *= 0.4 if name == "S3.R-S2.R" else 2.5
+        tangents[neighbour, 0] *= 0.2 if name == "S3.R-S2.R" else 5.0
         tangents[template.mirrored_edges[neighbour], 0] = tangents[neighbour, 0] * MIRROR
     broken = Network(template, template.positions, tangents)
     made = read_template(template_file(bundled_file("sedan").decode(), broken, "Broken"))
