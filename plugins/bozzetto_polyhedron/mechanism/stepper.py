@@ -158,10 +158,13 @@ class Stepper:
             )
         return motion
 
+    def gaps(self, motion: Motion) -> Array:
+        """Return the gaps of all rows of the joints, (m,), m or rad."""
+        return self._gaps.at(motion.places, motion.turns, motion.time)
+
     def largest_gap(self, motion: Motion) -> float:
         """Return the largest gap, m or rad."""
-        gaps = self._gaps.at(motion.places, motion.turns, motion.time)
-        return float(np.abs(gaps).max(initial=0.0))
+        return float(np.abs(self.gaps(motion)).max(initial=0.0))
 
     def energy(self, motion: Motion) -> float:
         """Return kinetic and potential energy, J."""

@@ -24,7 +24,7 @@ from bozzetto_polyhedron.mechanism.pieces import (
     rigid_faces,
 )
 from bozzetto_polyhedron.mechanism.stepper import Stepper
-from bozzetto_polyhedron.model.fittings import Anchor, Hinge, Trace
+from bozzetto_polyhedron.model.fittings import Anchor, Driven, Hinge, Trace
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
@@ -91,8 +91,7 @@ class Moving:
     @property
     def is_driven(self) -> bool:
         """Whether anything has a motor."""
-        joints = self.machine.assembly.joints
-        return bool(joints.rate.any() or joints.swing.any())
+        return bool(self.machine.assembly.joints.drives)
 
     def moved_place(self, number: int, rest: Array, motion: Motion) -> Array:
         """Return where a place of a shape at rest, (3,) mm, has been taken by a motion."""
@@ -174,10 +173,16 @@ def moving(state: PolyhedronState, sources: Sources = NOTHING) -> Moving:
 
 
 def as_held(state: PolyhedronState) -> PolyhedronState:
-    """Return a state whose held corners are held where they are: at rest, where nothing moved."""
+    """Return a state whose held corners are held where they are: at rest, where nothing moved.
+
+    There motors begin as well.
+    """
     if state.moved is not None:
         return state
     chosen = state.selected
+    for fitting in state.of_kind(Driven):
+        if fitting.since or fitting.offset:
+            state = state.with_node(replace(fitting, since=0.0, offset=0.0))
     bodies: tuple[Body | Followed, ...] = (*state.of_kind(Body), *state.of_kind(Followed))
     for body in bodies:
         if any(anchor.at is not None for anchor in body.anchors):

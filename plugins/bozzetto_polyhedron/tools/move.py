@@ -21,6 +21,7 @@ from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
 from bozzetto_polyhedron.solve.aiming import corner_spot
 from bozzetto_polyhedron.solve.bars import is_of_bars, with_bars_at
+from bozzetto_polyhedron.solve.motors import with_motors_begun
 from bozzetto_polyhedron.solve.moving import (
     TO_MOVE,
     Moving,
@@ -99,6 +100,9 @@ class Move(ErasingTool):
         state = as_held(state)
         made = moving_bodies(state, context.sources, "move")
         motion = made.motion(state.moved)
+        begun = with_motors_begun(state, made, motion)
+        if begun is not state:
+            state, made = begun, moving_bodies(begun, context.sources, "move")
         pull, grab = None, None
         if held is not None:
             grab = _deeper(_grabbed(state, made, held), made, held, seconds)
