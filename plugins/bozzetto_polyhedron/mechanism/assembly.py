@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope
 from bozzetto_polyhedron.mechanism.drives import Drive
 
@@ -140,6 +140,45 @@ class Colliding:
 
 
 @dataclass(frozen=True, eq=False)
+class Stops:
+    """Hinges that turn between two angles.
+
+    Parameters
+    ----------
+    first, second : (k,) intp
+        Bodies.
+    place : (k, 3) float64
+        On the axes, in the frames of the second bodies, m.
+    axis : (k, 3) float64
+        Unit vectors in the frames of the second bodies.
+    mark : (k, 3) float64
+        Vectors square to the axes in the frames of the first bodies, as long as these are wide, m.
+    middle : (k, 3) float64
+        Unit vectors in the frames of the second bodies on which marks lie half-way.
+    reach : (k,) float64
+        Angles from there to both sides, rad.
+    """
+
+    first: Index
+    second: Index
+    place: Array
+    axis: Array
+    mark: Array
+    middle: Array
+    reach: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def angles(self, motion: Motion) -> Array:
+        """Return how far each hinge is turned from the middle of its way, (k,) rad."""
+        mark = np.einsum("kij,kj->ki", motion.turns[self.first], self.mark)
+        own = np.einsum("kji,kj->ki", motion.turns[self.second], mark)
+        across = np.einsum("ki,ki->k", self.axis, cross_product(self.middle, own))
+        return np.asarray(np.arctan2(across, np.einsum("ki,ki->k", self.middle, own)))
+
+
+@dataclass(frozen=True, eq=False)
 class Assembly:
     """Bodies and joints.
 
@@ -157,6 +196,8 @@ class Assembly:
         None where nothing can be stood on.
     colliding : Colliding, optional
         None where nothing meets anything else.
+    stops : Stops, optional
+        Hinges that turn between two angles; None where none does.
     friction : float
         Coefficient of Coulomb's friction, of the ground and of bodies.
     planar : (3,) float64, optional
@@ -171,6 +212,7 @@ class Assembly:
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
     ground: Ground | None = None
     colliding: Colliding | None = None
+    stops: Stops | None = None
     friction: float = 0.5
     planar: Array | None = None
 

@@ -394,7 +394,7 @@ class PolyhedronState(PartsState):
     )
     contact: Annotated[
         bool,
-        Parameter("Contact", help="Whether solids that move as one piece meet one another."),
+        Parameter("Contact", help="Whether bodies meet: solids one another, a lid its box."),
     ] = True
     friction: Annotated[
         float,

@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
+from bozzetto_polyhedron.mechanism.convex_parts import Polytope
 from bozzetto_polyhedron.mechanism.fittings import fastened
 from bozzetto_polyhedron.mechanism.pieces import (
     METRE,
@@ -33,6 +34,7 @@ from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solve.followed import Sources, followed_bodies, key_of, parts_of
 from bozzetto_polyhedron.solve.followed_pieces import is_closed
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
+from bozzetto_polyhedron.solve.plates import plate_parts
 from bozzetto_polyhedron.solve.spots import (
     corner_near,
     corner_places_at_rest,
@@ -270,6 +272,12 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
     if moves == "whole":
         folds = _folds_of(body, state, vertices)
         moves = "plates" if rigid_faces(faces, folds).any() else moves
+    parts: tuple[Polytope, ...] = ()
+    numbers: tuple[int, ...] = ()
+    if moves == "whole" and found.mesh is not None:
+        parts = parts_of(found.mesh)
+    elif folds:
+        parts, numbers = plate_parts(vertices, faces, body.wall)
     return Shape(
         vertices,
         edges,
@@ -279,7 +287,8 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
         density=body.density,
         thickness=body.wall,
         solid=solid,
-        parts=parts_of(found.mesh) if moves == "whole" and found.mesh is not None else (),
+        parts=parts,
+        faces_of_parts=numbers,
         folds=folds,
     )
 

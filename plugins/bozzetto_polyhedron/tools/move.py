@@ -56,6 +56,10 @@ STRONGEST: Final = 8.0
 """Largest force of the pen, in weights of all that moves."""
 
 
+PRESSED: Final = np.radians(0.5)
+"""Angle beyond the end of a hinge's way, rad, at which its motor does not let it stop there."""
+
+
 class Move(ErasingTool):
     """The pen as a spring between a corner and where it is.
 
@@ -112,6 +116,11 @@ class Move(ErasingTool):
             raise UserError(
                 "A motor is stuck: the lengths do not let it turn any further. Let it swing to and "
                 "fro, or draw its crank shorter."
+            )
+        if made.is_driven and made.stepper.beyond_stops(motion) > PRESSED:
+            raise UserError(
+                "A motor presses one body against another. Let it turn less far, or switch "
+                "“Contact” off under “Parameters”."
             )
         recording = recorded(state, before, motion)
         return replace(state, moved=kept(motion), grab=grab, recorded=recording)

@@ -166,7 +166,9 @@ def piston(**how):
     """Return a bar whose end slides, and one that it turns."""
     state = linkage(CRANK, ("ab", "bc"), held="a")
     begin = np.array(CRANK["c"])
-    state = DrawSlider().draw(state, Ink((straight(begin, begin + [60.0, 0.0]),)), Context())
+    state = DrawSlider().draw(
+        state, Ink((straight(begin, begin + np.array([60.0, 0.0])),)), Context()
+    )
     (slider,) = state.of_kind(Slider)
     return state.with_node(replace(slider, **how))
 
