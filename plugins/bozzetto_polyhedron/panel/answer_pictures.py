@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Item, Layer, Palette, Scene, Shaded, render
@@ -19,12 +20,14 @@ from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.reconstruction.ranking import SURE
+from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solid.face_rings import area_vectors
+from bozzetto_polyhedron.solid.hand_over import mesh_of
 from bozzetto_polyhedron.solid.triangulation import face_triangles
 from bozzetto_polyhedron.solve.choice import mirrored_number
-from bozzetto_polyhedron.solve.pipeline import solved
+from bozzetto_polyhedron.solve.pipeline import answered, solved
 from bozzetto_polyhedron.view.drawing_layers import segments
-from bozzetto_polyhedron.view.solid_layers import faceted
+from bozzetto_polyhedron.view.solid_layers import crisp_edges, faceted
 
 MOST: Final = 6
 """Answers that are shown: the right one is hardly ever further behind."""
@@ -125,6 +128,7 @@ def gallery_of(
     turned, mirrored = (
         mirrored_number(found.answers, number, camera.axes[2]) for number in (0, found.number)
     )
+    is_round = straightened(body.strokes, body.evidence).reading is not None
     shown = [k for k in range(len(found.answers)) if k < MOST or k in (chosen, mirrored)]
     pictures = []
     for number in shown:
@@ -132,26 +136,42 @@ def gallery_of(
         words = words_of(answer.confidence)
         if number == turned:
             words = "Inside out"
-        pixels = picture_of(answer, found.graph.lines, camera, palette, size, scale)
+        made = answered(body, state, number) if is_round else None
+        edges = (answer.vertices, found.graph.lines, _mesh(answer))
+        if made is not None:
+            edges = (made.body.vertices, crisp_edges(made), mesh_of(made.body))
+        pixels = picture_of(*edges, camera, palette, size, scale)
         pictures.append(AnswerPicture(number, words, answer.confidence, pixels))
     return Gallery(body.id, _sentence(found.answers, chosen), chosen, tuple(pictures))
 
 
 def picture_of(
-    answer: Answer,
-    lines: NDArray[np.intp],
+    vertices: Array,
+    edges: Index,
+    mesh: Mesh | None,
     camera: Camera,
     palette: Palette,
     size: tuple[int, int],
     scale: float = 1.0,
 ) -> NDArray[np.uint8]:
-    """Draw one answer from further round than it was drawn, (h, w, 4) RGBA."""
-    items: list[Item] = []
-    mesh = _mesh(answer)
-    if mesh is not None:
-        items.append(Shaded(faceted(mesh)))
-    items.append(segments(answer.vertices[lines], "ink", EDGE_WIDTH, hidden="faint"))
-    view = fit_points(_from_aside(camera, size), answer.vertices)
+    """Draw a solid from further round than it was drawn, (h, w, 4) RGBA.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        mm.
+    edges : (m, 2) intp
+        That are drawn.
+    mesh : Mesh, optional
+        Its faces.
+    camera : Camera
+        Of the drawing.
+    palette, size, scale
+        As for `gallery_of`.
+    """
+    items: list[Item] = [] if mesh is None else [Shaded(faceted(mesh))]
+    items.append(segments(vertices[edges], "ink", EDGE_WIDTH, hidden="faint"))
+    view = fit_points(_from_aside(camera, size), vertices)
     scene = Scene((Layer("answer", tuple(items)),))
     return render(scene, view, palette, size=size, scale=scale, background=False)
 

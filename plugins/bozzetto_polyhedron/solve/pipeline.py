@@ -201,17 +201,22 @@ def rounded(base: PlanarBody, body: Body, graph: LineGraph) -> Changed:
     return with_rounds(base, graph, found, body.strokes[0].camera)
 
 
-def _drawn(body: Body, state: PolyhedronState) -> Changed | None:
-    """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
+def answered(body: Body, state: PolyhedronState, number: int) -> Changed | None:
+    """Return an answer as an exact body with what was drawn round; None where it makes none."""
     graph = graph_of_ink(body.strokes, body.evidence, never)
     answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
-    if not answers:
-        return None
-    number = chosen_number(answers, body.choice, body.answer)
     try:
         return rounded(_base(body, state, graph, answers, number, never), body, graph)
     except UserError:
         return None
+
+
+def _drawn(body: Body, state: PolyhedronState) -> Changed | None:
+    """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
+    answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
+    if not answers:
+        return None
+    return answered(body, state, chosen_number(answers, body.choice, body.answer))
 
 
 def _base(

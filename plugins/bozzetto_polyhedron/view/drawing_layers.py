@@ -15,6 +15,7 @@ from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.rounds.ellipses import TURN
 from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solve.pipeline import Solved
+from bozzetto_polyhedron.solve.round_lines import is_column
 from bozzetto_polyhedron.solve.spots import places_of_findings
 
 LINE_WIDTH, LIGHT_WIDTH = 1.6, 0.9
@@ -60,6 +61,8 @@ def line_items(body: Body, graph: LineGraph) -> list[Item]:
     """Return lines and corners as they were understood."""
     if not len(graph.lines):
         return []
+    if is_column(body):
+        return _round_items(body)
     places = on_sheet(body, graph.places)
     light = (graph.light >= MARKED) | np.array([not own for own in graph.strokes])
     items = [
