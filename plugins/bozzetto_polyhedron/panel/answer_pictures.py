@@ -16,6 +16,7 @@ from bozzetto.scene import Item, Layer, Palette, Scene, Shaded, render
 from bozzetto.view import Camera, fit_points, triple
 from bozzetto_polyhedron.commands.answers import chosen_body, has_body
 from bozzetto_polyhedron.commands.pieces import has_followed, step_of_followed
+from bozzetto_polyhedron.mechanism.rotations import rotations_by
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer
@@ -23,9 +24,11 @@ from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solid.face_rings import area_vectors
 from bozzetto_polyhedron.solid.hand_over import mesh_of
+from bozzetto_polyhedron.solid.planar_body import PlanarBody
 from bozzetto_polyhedron.solid.triangulation import face_triangles
 from bozzetto_polyhedron.solve.choice import mirrored_number
 from bozzetto_polyhedron.solve.pipeline import answered, solved
+from bozzetto_polyhedron.solve.standing import foot_of
 from bozzetto_polyhedron.view.drawing_layers import segments
 from bozzetto_polyhedron.view.solid_layers import crisp_edges, faceted
 
@@ -38,6 +41,9 @@ own view all answers look alike."""
 
 CERTAIN, LIKELY, DOUBTFUL = 0.95, 0.8, 0.1
 """Confidences from which on the words change."""
+
+UPRIGHT: Final = 0.7
+"""Cosine of the angle from the way up of the sheet within which a body stands on a face."""
 
 EDGE_WIDTH: Final = 1.1
 """px."""
@@ -138,9 +144,11 @@ def gallery_of(
             words = "Inside out"
         made = answered(body, state, number) if is_round else None
         edges = (answer.vertices, found.graph.lines, _mesh(answer))
+        up = camera.axes[1]
         if made is not None:
             edges = (made.body.vertices, crisp_edges(made), mesh_of(made.body))
-        pixels = picture_of(*edges, camera, palette, size, scale)
+            up = _upwards(made.body, up)
+        pixels = picture_of(*edges, _from_aside(camera, up, size), palette, size, scale)
         pictures.append(AnswerPicture(number, words, answer.confidence, pixels))
     return Gallery(body.id, _sentence(found.answers, chosen), chosen, tuple(pictures))
 
@@ -154,7 +162,7 @@ def picture_of(
     size: tuple[int, int],
     scale: float = 1.0,
 ) -> NDArray[np.uint8]:
-    """Draw a solid from further round than it was drawn, (h, w, 4) RGBA.
+    """Draw a solid, (h, w, 4) RGBA.
 
     Parameters
     ----------
@@ -165,13 +173,13 @@ def picture_of(
     mesh : Mesh, optional
         Its faces.
     camera : Camera
-        Of the drawing.
+        From the side from which it is shown.
     palette, size, scale
         As for `gallery_of`.
     """
     items: list[Item] = [] if mesh is None else [Shaded(faceted(mesh))]
     items.append(segments(vertices[edges], "ink", EDGE_WIDTH, hidden="faint"))
-    view = fit_points(_from_aside(camera, size), vertices)
+    view = fit_points(camera, vertices)
     scene = Scene((Layer("answer", tuple(items)),))
     return render(scene, view, palette, size=size, scale=scale, background=False)
 
@@ -192,12 +200,19 @@ def _mesh(answer: Answer) -> Mesh | None:
     return Mesh(answer.vertices.astype(np.float32), np.concatenate(made).astype(np.int32))
 
 
-def _from_aside(camera: Camera, size: tuple[int, int]) -> Camera:
-    """Return the camera turned about its target to the right, its canvas a picture."""
-    right, up, forward = camera.axes
-    toward = np.cos(ASIDE) * -forward + np.sin(ASIDE) * right
-    eye = np.asarray(camera.target) + camera.distance * toward
-    return replace(camera, eye=triple(eye), up=triple(up), viewport=size)
+def _upwards(body: PlanarBody, up: Array) -> Array:
+    """Return the way up of a body that stands on a face that looks down; otherwise that given."""
+    foot = foot_of(body)
+    if foot is None or float(body.normals[foot] @ up) > -UPRIGHT:
+        return up
+    return -body.normals[foot]
+
+
+def _from_aside(camera: Camera, up: Array, size: tuple[int, int]) -> Camera:
+    """Return the camera turned about its target to the right, about a way up (3,)."""
+    turn = rotations_by(ASIDE * up[None])[0]
+    eye = np.asarray(camera.target) - camera.distance * (turn @ camera.axes[2])
+    return replace(camera, eye=triple(eye), up=triple(turn @ camera.axes[1]), viewport=size)
 
 
 def _sentence(answers: Sequence[Answer], chosen: int) -> str:

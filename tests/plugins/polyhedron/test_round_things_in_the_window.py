@@ -88,7 +88,7 @@ def test_nothing_is_drawn_of_the_box_about_a_cylinder():
     scene = MODELER.scene(state, MODELER.solve(state, Job()))
     (lines,) = (layer for layer in scene.layers if layer.name == "lines")
     assert not any(isinstance(item, Points) for item in lines.items)
-    assert len(lines.items) == 2
+    assert len(lines.items) == 4
 
 
 @pytest.mark.parametrize("view", [Camera(), ASIDE])
