@@ -205,7 +205,7 @@ def _upwards(body: PlanarBody, up: Array) -> Array:
     foot = foot_of(body)
     if foot is None or float(body.normals[foot] @ up) > -UPRIGHT:
         return up
-    return -body.normals[foot]
+    return np.asarray(-body.normals[foot])
 
 
 def _from_aside(camera: Camera, up: Array, size: tuple[int, int]) -> Camera:

@@ -21,8 +21,8 @@ from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, Polyh
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
+from bozzetto_polyhedron.rounds.ink_left import Evidence
 from bozzetto_polyhedron.rounds.on_bodies import shows_column, with_rounds
-from bozzetto_polyhedron.rounds.reading import Evidence
 from bozzetto_polyhedron.rounds.straightened import Straightened, straightened
 from bozzetto_polyhedron.solid.equal_lengths import with_equal_lengths
 from bozzetto_polyhedron.solid.exact import exact_body

@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto_polyhedron.model.same_view import camera_of, on_sheet
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.rounds.ellipses import TURN
-from bozzetto_polyhedron.rounds.reading import Reading
+from bozzetto_polyhedron.rounds.round_things import Reading
 from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solve.pipeline import Solved
 

@@ -13,7 +13,7 @@ from bozzetto_polyhedron.model.same_view import camera_of, on_sheet
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.rounds.ellipses import TURN
-from bozzetto_polyhedron.rounds.reading import tangent_lines
+from bozzetto_polyhedron.rounds.rims import tangent_lines
 from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solve.pipeline import Solved
 from bozzetto_polyhedron.solve.round_lines import is_column
