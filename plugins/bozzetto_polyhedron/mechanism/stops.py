@@ -38,6 +38,10 @@ COARSE: Final = float(np.radians(0.05))
 FINE: Final = 1e-5
 """How closely an angle is found, rad."""
 
+MOST_AXES: Final = 2000
+"""Pairs of directions of edges up to which stops are sought: a second's work. Round limbs have
+more, and pass through what they are hinged to."""
+
 STRAIGHT: Final = 1e-6
 """Distance from an axis, by its length, within which places of a joint are on it."""
 
@@ -127,13 +131,15 @@ def free_turn(
     -------
     (float, float) or None
         From -2 π … 0 to 0 … 2 π. None where nothing meets, where they lie in one another at rest,
-        and where the axis runs through them.
+        where the axis runs through them, and where they have too many edges to tell.
     """
     sizes = (
         float(np.linalg.norm(np.ptp(np.concatenate([part.corners for part in each]), axis=0)))
         for each in (own, other)
     )
     size = min(sizes)
+    if _axes(own) * _axes(other) > MOST_AXES:
+        return None
     cleared = [_cleared(part, place, axis, CLEAR * size) for part in (*own, *other)]
     kept = [part for part in cleared if part is not None]
     if len(kept) < len(cleared):
@@ -144,6 +150,10 @@ def free_turn(
         return None
     ends = [_end(pairs, way, -DEEP * size) for way in (-1.0, 1.0)]
     return None if ends[0] is None or ends[1] is None else (-ends[0], ends[1])
+
+
+def _axes(parts: Sequence[Polytope]) -> int:
+    return sum(len(part.directions[0]) for part in parts)
 
 
 class _Pair:

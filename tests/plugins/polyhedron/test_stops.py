@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from time import process_time
 
 import numpy as np
 import pytest
@@ -192,3 +193,16 @@ def test_every_flap_stops_by_itself_in_any_order():
     reaches = [np.sort(moving(each).machine.assembly.stops.reach).tolist() for each in (one, other)]
     assert len(reaches[0]) == 4
     assert reaches[0] == pytest.approx(reaches[1], abs=1e-3)
+
+
+def test_round_bodies_with_many_edges_are_not_asked():
+    """Each pair would take a twentieth of a second, hundreds of times."""
+    rng = np.random.default_rng(82_310)
+    points = rng.normal(size=(2, 300, 3))
+    points /= np.linalg.norm(points, axis=2, keepdims=True)
+    balls = [
+        polytope_of(0.4 * own + (way, 0.0, 0.0)) for own, way in zip(points, (1, -1), strict=True)
+    ]
+    begun = process_time()
+    assert free_turn((balls[0],), (balls[1],), np.zeros(3), UP) is None
+    assert process_time() - begun < 0.2
