@@ -238,7 +238,7 @@ def largest_step(states) -> float:
 @pytest.mark.parametrize(
     "how",
     [
-        {"drive": "steady", "speed": 60.0},
+        {"drive": "steady", "speed": -60.0},
         {"drive": "swing", "angle": 30.0, "period": 2.0},
         {"drive": "curve", "curve": "0: 0, 1: 30, 2: 0"},
         {"drive": "curve", "curve": "0: 50, 1: 20, 2: 50"},
@@ -265,7 +265,7 @@ def test_a_motor_on_a_lid_that_was_moved_takes_it_from_where_it_is(how):
         wanted = Keyed(typed_keys(how["curve"]), again=True).at(late)
         assert angle(seen[-1]) == pytest.approx(wanted, abs=0.01)
     if how["drive"] == "steady":
-        assert angle(seen[-1]) - angle(lifted) == pytest.approx(90.0, abs=0.1)
+        assert angle(seen[-1]) - angle(lifted) == pytest.approx(-90.0, abs=0.1)
     rest = at_rest(seen[-1], Context()).of_kind(Hinge)[0]
     assert (rest.since, rest.offset) == (0.0, 0.0)
 
