@@ -6,9 +6,11 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
+import numpy.typing as npt
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope
+from bozzetto_polyhedron.mechanism.drives import Drive
 
 GROUND: Final = -1
 """Number of what does not move."""
@@ -38,10 +40,8 @@ class Joints:
         Unit vectors in the frame of the second body; for angles the axis.
     target : (m,) float64
         Distance, m, or angle, rad.
-    rate : (m,) float64
-        Change of the target, m/s or rad/s: what a motor does.
-    swing, frequency : (m,) float64
-        To and fro about that, by swing · sin(frequency · time); m or rad, and rad/s.
+    drive : (m,) object
+        What a motor adds to the target, a `Drive`, m or rad; None where there is none.
     """
 
     kind: Index
@@ -51,9 +51,7 @@ class Joints:
     second_point: Array
     direction: Array
     target: Array
-    rate: Array
-    swing: Array
-    frequency: Array
+    drive: npt.NDArray[np.object_]
 
     def __len__(self) -> int:
         return len(self.kind)
@@ -65,6 +63,11 @@ class Joints:
                 for name in self.__dataclass_fields__
             )
         )
+
+    @property
+    def drives(self) -> tuple[tuple[int, Drive], ...]:
+        """Rows that a motor moves, each with what it does."""
+        return tuple((k, each) for k, each in enumerate(self.drive) if each is not None)
 
     def taken(self, which: Index | Flags) -> Joints:
         """Return some of the rows."""
@@ -137,6 +140,45 @@ class Colliding:
 
 
 @dataclass(frozen=True, eq=False)
+class Stops:
+    """Hinges that turn between two angles.
+
+    Parameters
+    ----------
+    first, second : (k,) intp
+        Bodies.
+    place : (k, 3) float64
+        On the axes, in the frames of the second bodies, m.
+    axis : (k, 3) float64
+        Unit vectors in the frames of the second bodies.
+    mark : (k, 3) float64
+        Vectors square to the axes in the frames of the first bodies, as long as these are wide, m.
+    middle : (k, 3) float64
+        Unit vectors in the frames of the second bodies on which marks lie half-way.
+    reach : (k,) float64
+        Angles from there to both sides, rad.
+    """
+
+    first: Index
+    second: Index
+    place: Array
+    axis: Array
+    mark: Array
+    middle: Array
+    reach: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def angles(self, motion: Motion) -> Array:
+        """Return how far each hinge is turned from the middle of its way, (k,) rad."""
+        mark = np.einsum("kij,kj->ki", motion.turns[self.first], self.mark)
+        own = np.einsum("kji,kj->ki", motion.turns[self.second], mark)
+        across = np.einsum("ki,ki->k", self.axis, cross_product(self.middle, own))
+        return np.asarray(np.arctan2(across, np.einsum("ki,ki->k", self.middle, own)))
+
+
+@dataclass(frozen=True, eq=False)
 class Assembly:
     """Bodies and joints.
 
@@ -154,6 +196,8 @@ class Assembly:
         None where nothing can be stood on.
     colliding : Colliding, optional
         None where nothing meets anything else.
+    stops : Stops, optional
+        Hinges that turn between two angles; None where none does.
     friction : float
         Coefficient of Coulomb's friction, of the ground and of bodies.
     planar : (3,) float64, optional
@@ -168,6 +212,7 @@ class Assembly:
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
     ground: Ground | None = None
     colliding: Colliding | None = None
+    stops: Stops | None = None
     friction: float = 0.5
     planar: Array | None = None
 
@@ -222,7 +267,7 @@ def no_joints() -> Joints:
     none = np.zeros(0, np.intp)
     return Joints(
         none, none, none, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)),
-        np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0),
+        np.zeros(0), np.full(0, None),
     )  # fmt: skip
 
 
@@ -284,26 +329,12 @@ def link(motion: Motion, first: int, second: int, begin: Array, end: Array) -> J
         _local(motion, second, end[None]),
         np.zeros((1, 3)),
         np.array([length]),
-        np.zeros(1),
-        np.zeros(1),
-        np.zeros(1),
+        np.full(1, None),
     )
 
 
-def motor(
-    motion: Motion,
-    first: int,
-    second: int,
-    axis: Array,
-    rate: float,
-    *,
-    swing: float = 0.0,
-    frequency: float = 0.0,
-) -> Joints:
-    """Return a row that turns the first body against the second about an axis.
-
-    The angle, rad, at a time is rate · time + swing · sin(frequency · time).
-    """
+def motor(motion: Motion, first: int, second: int, axis: Array, drive: Drive) -> Joints:
+    """Return a row that turns the first body against the second about an axis, by a drive, rad."""
     axis = np.asarray(axis, float) / np.linalg.norm(axis)
     mark = square_to(axis)[0]
     return Joints(
@@ -314,10 +345,29 @@ def motor(
         _turned_back(motion, second, mark[None]),
         _turned_back(motion, second, axis[None]),
         np.zeros(1),
-        np.array([rate]),
-        np.array([swing]),
-        np.array([frequency]),
+        np.array([drive], object),
     )
+
+
+def pusher(
+    motion: Motion, first: int, second: int, begin: Array, end: Array, drive: Drive
+) -> Joints:
+    """Return a row that moves a place of the first body along a line of the second, by a drive, m.
+
+    Parameters
+    ----------
+    motion : Motion
+        At rest.
+    first, second : int
+        Bodies, or the ground as the second.
+    begin, end : (3,) array
+        The place, and another one on the line, in the direction of larger values, m.
+    drive : Drive
+        In m.
+    """
+    along = (np.asarray(end) - begin) / np.linalg.norm(np.asarray(end) - begin)
+    made = directed(motion, first, second, np.asarray(begin)[None], along[None])
+    return replace(made, drive=np.array([drive], object))
 
 
 def directed(motion: Motion, first: int, second: int, places: Array, directions: Array) -> Joints:
@@ -331,9 +381,7 @@ def directed(motion: Motion, first: int, second: int, places: Array, directions:
         _local(motion, second, places),
         _turned_back(motion, second, directions),
         np.zeros(count),
-        np.zeros(count),
-        np.zeros(count),
-        np.zeros(count),
+        np.full(count, None),
     )
 
 

@@ -149,9 +149,12 @@ def touch_within(first: Placed, second: Placed, seconds: float, margin: float) -
     return None
 
 
-def depth_of(first: Placed, second: Placed) -> float:
-    """Return how deep two polytopes lie in one another, m; 0 where they do not."""
-    return max(0.0, -_widest(first, second).gap)
+def gap_between(first: Placed, second: Placed) -> float:
+    """Return how far two polytopes are apart along their best axis, m; below 0 how deep they lie.
+
+    Two corners are farther apart than that.
+    """
+    return _widest(first, second).gap
 
 
 def _carried(places: Array, there: Placed, here: Placed) -> Array:

@@ -19,21 +19,14 @@ from bozzetto_polyhedron.mechanism.assembly import (
     link,
     motor,
     no_joints,
+    pusher,
     slider,
     square_to,
 )
+from bozzetto_polyhedron.mechanism.drives import Drive
 from bozzetto_polyhedron.mechanism.pieces import METRE, Machine
 
 FittingKind = Literal["link", "spring", "hinge", "slider", "crank", "pin"]
-
-
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """The angle of a motor: rate · time + swing · sin(frequency · time); rad and s."""
-
-    rate: float = 0.0
-    swing: float = 0.0
-    frequency: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +46,7 @@ class Fastening:
     stiffness : float
         Of a spring, N/m.
     drive : Drive, optional
-        Of what has a motor.
+        Of what has a motor; rad, or m along the line of a slider.
     turns : bool
         Whether what slides may turn.
     """
@@ -137,7 +130,10 @@ def _joints(machine: Machine, each: Fastening, driven: frozenset[int]) -> Joints
     if first == second or np.linalg.norm(end - begin) == 0.0:
         return no_joints()
     if each.kind == "slider":
-        return slider(rest, first, second, begin, end, turns=each.turns)
+        made = slider(rest, first, second, begin, end, turns=each.turns)
+        if each.drive is None:
+            return made
+        return made + pusher(rest, first, second, begin, end, each.drive)
     made = hinge(rest, first, second, begin, end)
     return made + _driven(rest, first, second, end - begin, each.drive)
 
@@ -170,9 +166,7 @@ def _pin(machine: Machine, each: Fastening) -> Joints:
 def _driven(rest: Motion, first: int, second: int, axis: Array, drive: Drive | None) -> Joints:
     if drive is None:
         return no_joints()
-    return motor(
-        rest, first, second, axis, drive.rate, swing=drive.swing, frequency=drive.frequency
-    )
+    return motor(rest, first, second, axis, drive)
 
 
 def _spring(machine: Machine, each: Fastening) -> Springs:

@@ -50,7 +50,7 @@ class Gaps:
         self._along = np.flatnonzero(joints.kind == DIRECTION)
         self._bars = np.flatnonzero(joints.kind == DISTANCE)
         self._angles = np.flatnonzero(joints.kind == ANGLE)
-        self._swinging = np.flatnonzero(joints.swing)
+        self._drives = joints.drives
         self._grounded = np.flatnonzero(joints.second == GROUND)
 
     def __len__(self) -> int:
@@ -68,10 +68,8 @@ class Gaps:
         if len(self._angles):
             gaps[self._angles] = self._turned(turns)
         gaps -= joints.target
-        gaps -= joints.rate * time
-        if len(self._swinging):
-            rows = self._swinging
-            gaps[rows] -= joints.swing[rows] * np.sin(joints.frequency[rows] * time)
+        for row, drive in self._drives:
+            gaps[row] -= drive.at(time)
         if len(self._angles):
             gaps[self._angles] = (gaps[self._angles] + np.pi) % (2.0 * np.pi) - np.pi
         return np.asarray(gaps)
@@ -109,11 +107,8 @@ class Gaps:
         joints = self.joints
         opened = np.einsum("ij,ij->i", slopes.first, velocities[joints.first])
         opened += np.einsum("ij,ij->i", slopes.second, velocities[joints.second])
-        opened -= joints.rate
-        if len(self._swinging):
-            rows = self._swinging
-            swinging = joints.swing[rows] * joints.frequency[rows]
-            opened[rows] -= swinging * np.cos(joints.frequency[rows] * time)
+        for row, drive in self._drives:
+            opened[row] -= drive.rate(time)
         return np.asarray(opened)
 
     def _ends(self, places: Array, turns: Array) -> _Ends:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from typing import Final, Literal
 
 import numpy as np
@@ -31,6 +32,7 @@ from bozzetto_polyhedron.mechanism.masses import (
     solid_masses,
     triangle_masses,
 )
+from bozzetto_polyhedron.mechanism.stops import stops_of
 from bozzetto_polyhedron.mechanism.touches import jointed, lying_in_one_another
 from bozzetto_polyhedron.reconstruction.answer import Rings
 
@@ -73,7 +75,10 @@ class Shape:
     triangles : (t, 3) intp, optional
         Of one whose faces are not plane: it moves as a whole, and stands on its parts.
     parts : tuple of Polytope
-        What of it meets other bodies, mm; only one that moves as a whole has any.
+        What of it meets other bodies, mm; one that moves as bars, or whose faces are all hinged,
+        has none.
+    faces_of_parts : tuple of int
+        Which face each part is of, where it folds; empty where it moves as a whole.
     normal : (3,) float64, optional
         Of the plane in which the bars of a flat shape lie and move.
     folds : frozenset of (int, int), optional
@@ -91,6 +96,7 @@ class Shape:
     solid: bool = False
     triangles: Index | None = None
     parts: tuple[Polytope, ...] = ()
+    faces_of_parts: tuple[int, ...] = ()
     normal: Array | None = None
     folds: Folds | None = None
 
@@ -462,17 +468,29 @@ def machine_of(
 
 
 def meeting(machine: Machine) -> Machine:
-    """Return a machine whose bodies meet; those at a joint, or drawn in one another, never do."""
-    bodies, parts = [], []
-    for shape, holders in zip(machine.shapes, machine.holders, strict=True):
-        for part in shape.parts:
-            bodies.append(int(holders[0]))
-            parts.append(part.scaled(METRE, -machine.rest.places[bodies[-1]] / METRE))
+    """Return a machine whose bodies meet; those drawn in one another never do.
+
+    Those at a hinge turn until they meet. Those at another joint, and the pieces of one shape, pass
+    through one another.
+    """
+    bodies: list[int] = []
+    parts: list[Polytope] = []
+    together: set[tuple[int, int]] = set()
+    for shape, holders, plates in zip(machine.shapes, machine.holders, machine.plates, strict=True):
+        own = plates[list(shape.faces_of_parts)] if shape.faces_of_parts else holders[:1]
+        for part, body in zip(shape.parts, np.resize(own, len(shape.parts)), strict=True):
+            bodies.append(int(body))
+            parts.append(part.scaled(METRE, -machine.rest.places[body] / METRE))
+        together |= set(combinations(np.unique(own).tolist(), 2))
     if len(set(bodies)) < 2:
         return machine
+    joints, rest = machine.assembly.joints, machine.rest
     made = Colliding(np.array(bodies, np.intp), tuple(parts))
-    passing = jointed(machine.assembly.joints) | lying_in_one_another(made, machine.rest)
-    assembly = replace(machine.assembly, colliding=replace(made, passing=passing))
+    passing = jointed(joints) | lying_in_one_another(made, rest) | together
+    stops = stops_of(joints, rest, bodies, parts)
+    several = len(set(combinations(sorted(set(bodies)), 2)) - passing) > 0
+    colliding = replace(made, passing=passing) if several else None
+    assembly = replace(machine.assembly, colliding=colliding, stops=stops)
     return replace(machine, assembly=assembly)
 
 

@@ -126,7 +126,8 @@ class Stepper:
         self._system = BandedSystem(assembly)
         self._freedoms = assembly.freedoms
         self._inverse_inertias = np.linalg.pinv(assembly.inertias, rcond=1e-9, hermitian=True)
-        meets = assembly.ground is not None or assembly.colliding is not None
+        meeting = (assembly.ground, assembly.colliding, assembly.stops)
+        meets = any(each is not None for each in meeting)
         self._touching = Touching(assembly) if meets else None
         # What spins after a corner hit something must not turn through it within a step.
         self._careful = HALVINGS if assembly.colliding is not None else HALVINGS - 2
@@ -158,10 +159,20 @@ class Stepper:
             )
         return motion
 
+    def gaps(self, motion: Motion) -> Array:
+        """Return the gaps of all rows of the joints, (m,), m or rad."""
+        return self._gaps.at(motion.places, motion.turns, motion.time)
+
+    def beyond_stops(self, motion: Motion) -> float:
+        """Return how far a hinge is beyond an end of its way, rad; 0 where none is."""
+        stops = self.assembly.stops
+        if stops is None:
+            return 0.0
+        return float((np.abs(stops.angles(motion)) - stops.reach).max(initial=0.0))
+
     def largest_gap(self, motion: Motion) -> float:
         """Return the largest gap, m or rad."""
-        gaps = self._gaps.at(motion.places, motion.turns, motion.time)
-        return float(np.abs(gaps).max(initial=0.0))
+        return float(np.abs(self.gaps(motion)).max(initial=0.0))
 
     def energy(self, motion: Motion) -> float:
         """Return kinetic and potential energy, J."""

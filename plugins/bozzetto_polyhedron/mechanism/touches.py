@@ -16,9 +16,10 @@ from bozzetto_polyhedron.mechanism.assembly import (
     Ground,
     Joints,
     Motion,
+    Stops,
     square_to,
 )
-from bozzetto_polyhedron.mechanism.collision import Placed, depth_of, touch_within
+from bozzetto_polyhedron.mechanism.collision import Placed, gap_between, touch_within
 from bozzetto_polyhedron.mechanism.constraints import Factored
 from bozzetto_polyhedron.mechanism.contact import contact_impulses
 from bozzetto_polyhedron.mechanism.gaps import Slopes
@@ -31,6 +32,10 @@ TOUCHING: Final = 1e-5
 
 MARGIN: Final = 2e-4
 """Distance, m, within which bodies are looked at closely: one that is pushed pushes on."""
+
+HELD: Final = 1e-9
+"""How much of what it would give alone a place gives through joints, at most, where these let it
+give nothing, such as where a motor turns: then nothing stops it."""
 
 OVERLAPPING: Final = 0.01
 """Depth, in sizes of the smaller part, from which on bodies at rest lie in one another."""
@@ -106,6 +111,8 @@ class Touching:
             kinds.append(ground_touches(self._assembly.ground, motion, velocities, h))
         if self._assembly.colliding is not None:
             kinds.append(body_touches(self._assembly.colliding, motion, velocities, h))
+        if self._assembly.stops is not None:
+            kinds.append(stop_touches(self._assembly.stops, motion, velocities, h))
         touches = _together(kinds)
         if not len(touches):
             return np.zeros_like(velocities), np.zeros_like(velocities)
@@ -116,18 +123,20 @@ class Touching:
             moved = inverse[bodies[held]] @ slopes[held].transpose(0, 2, 1)
             by_place[bodies[held], :, held] += moved
         given = by_place.reshape(len(velocities), 6, -1)
-        given += self._through_joints(given, joints)
-        response = sum(
-            (slopes @ given[bodies]).reshape(3 * len(touches), -1) for bodies, slopes in sides
-        )
+        alone = np.diagonal(_response(sides, given))
+        given = given + self._through_joints(given, joints)
+        response = _response(sides, given)
         speeds = sum(
             np.einsum("kca,ka->kc", slopes, velocities[bodies]) for bodies, slopes in sides
         )
         speeds = np.asarray(speeds)
         if h > 0.0:
             speeds[:, 2] += np.maximum(touches.gaps / h, -PUSH)
-        found = contact_impulses(
-            0.5 * (response + np.transpose(response)), speeds, self._assembly.friction
+        found = np.zeros_like(speeds)
+        yields = np.diagonal(response)[2::3] > HELD * alone[2::3]
+        rows = np.repeat(yields, 3)
+        found[yields] = contact_impulses(
+            response[np.ix_(rows, rows)], speeds[yields], self._assembly.friction
         )
         pushed = np.zeros_like(velocities)
         for bodies, slopes in sides:
@@ -157,6 +166,13 @@ class Touching:
         for row in range(3):
             slopes[:, row, 3:] = cross_product(arms, axes[:, row])
         return slopes * self._freedoms
+
+
+def _response(sides: tuple[tuple[Index, Array], ...], given: Array) -> Array:
+    """Return the velocities (3 k, 3 k) in places that touch for those of bodies, (n, 6, 3 k)."""
+    size = given.shape[2]
+    found = sum((slopes @ given[bodies]).reshape(size, size) for bodies, slopes in sides)
+    return np.asarray(0.5 * (found + np.transpose(found)))
 
 
 def ground_touches(ground: Ground, motion: Motion, velocities: Array, h: float) -> Touches:
@@ -201,6 +217,35 @@ def body_touches(colliding: Colliding, motion: Motion, velocities: Array, h: flo
     return _together(found)
 
 
+def stop_touches(stops: Stops, motion: Motion, velocities: Array, h: float) -> Touches:
+    """Return the hinges that are at an end of their way, or would be beyond it after a step."""
+    first, second = stops.first, stops.second
+    axis = np.einsum("kij,kj->ki", motion.turns[second], stops.axis)
+    mark = np.einsum("kij,kj->ki", motion.turns[first], stops.mark)
+    arm = np.einsum("kij,kj->ki", motion.turns[second], stops.place)
+    radius = np.linalg.norm(mark, axis=1)
+    turning = np.einsum("ki,ki->k", axis, velocities[first, 3:] - velocities[second, 3:])
+    angles = stops.angles(motion)
+    found = []
+    for way in (1.0, -1.0):
+        gaps = radius * (stops.reach + way * angles)
+        near = np.flatnonzero(gaps <= np.maximum(-way * turning * radius, 0.0) * h + TOUCHING)
+        normal = way * cross_product(axis[near], mark[near]) / radius[near, None]
+        there = arm[near] + mark[near]
+        place = there + motion.places[second[near]]
+        found.append(
+            Touches(
+                first[near],
+                second[near],
+                place - motion.places[first[near]],
+                there,
+                np.stack((axis[near], mark[near] / radius[near, None], normal), axis=1),
+                gaps[near],
+            )
+        )
+    return _together(found)
+
+
 def lying_in_one_another(colliding: Colliding, motion: Motion) -> frozenset[tuple[int, int]]:
     """Return the pairs of bodies that overlap in a pose, the smaller number first."""
     still = np.zeros(3)
@@ -211,7 +256,7 @@ def lying_in_one_another(colliding: Colliding, motion: Motion) -> frozenset[tupl
     found = set()
     for one, other in _near_pairs(colliding, placed, 0.0):
         size = min(float(np.ptp(placed[k].corners, axis=0).max()) for k in (one, other))
-        if depth_of(placed[one], placed[other]) > OVERLAPPING * size:
+        if gap_between(placed[one], placed[other]) < -OVERLAPPING * size:
             first, second = sorted((int(colliding.bodies[one]), int(colliding.bodies[other])))
             found.add((first, second))
     return frozenset(found)

@@ -5,12 +5,46 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
-from bozzetto.plugin import Parameter, Part
+from bozzetto.plugin import Parameter, Part, override
 from bozzetto_polyhedron.model.changes import Point
 from bozzetto_polyhedron.model.limits import require_near
+from bozzetto_polyhedron.model.motor_curves import typed_keys
 
 Place: TypeAlias = tuple[float, float]
-Drive: TypeAlias = Literal["no", "steady", "swing"]
+TurningMotor: TypeAlias = Literal["no", "steady", "swing", "curve"]
+PushingMotor: TypeAlias = Literal["no", "swing", "curve"]
+Repeats: TypeAlias = Literal["again", "once"]
+
+_TURNING = Parameter(
+    "Motor",
+    help="How it is driven.",
+    choices=(
+        ("no", "Turns freely"),
+        ("steady", "Turns steadily"),
+        ("swing", "To and fro"),
+        ("curve", "By a curve"),
+    ),
+)
+
+
+def _period(*idle: str) -> Parameter:
+    return Parameter(
+        "Period",
+        0.05,
+        600.0,
+        unit="s",
+        help="Time of once to and fro.",
+        idle_while=(("drive", idle),),
+    )
+
+
+def _repeats(*idle: str) -> Parameter:
+    return Parameter(
+        "Then",
+        help="Whether the curve begins again after its last time, or stays there.",
+        choices=(("again", "Begins again"), ("once", "Stays there")),
+        idle_while=(("drive", idle),),
+    )
 
 
 @dataclass(frozen=True)
@@ -86,7 +120,26 @@ class Coil(Fitting):
 
 
 @dataclass(frozen=True)
-class Slider(Fitting):
+class Driven(Fitting):
+    """Fitting that may have a motor.
+
+    Parameters
+    ----------
+    since : float
+        Time since rest at which its motor began, s.
+    offset : float
+        By how much things were beyond its course then, ° or mm.
+    """
+
+    since: float = 0.0
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_near((self.since, self.offset), "A motor")
+
+
+@dataclass(frozen=True)
+class Slider(Driven):
     """Lets the place where it begins slide along its line, which stands still."""
 
     turning: Annotated[
@@ -97,6 +150,40 @@ class Slider(Fitting):
             choices=(("free", "Free"), ("locked", "Locked")),
         ),
     ] = "free"
+    drive: Annotated[
+        PushingMotor,
+        Parameter(
+            "Motor",
+            help="How it is driven along its line.",
+            choices=(("no", "Slides freely"), ("swing", "To and fro"), ("curve", "By a curve")),
+        ),
+    ] = "no"
+    travel: Annotated[
+        float,
+        Parameter(
+            "Travel",
+            -1e5,
+            1e5,
+            unit="mm",
+            help="To each side, to and fro.",
+            idle_while=(("drive", ("no", "curve")),),
+        ),
+    ] = 20.0
+    period: Annotated[float, _period("no", "curve")] = 2.0
+    curve: Annotated[
+        str,
+        Parameter(
+            "Places at times",
+            help="Seconds, a colon and mm along its line, with commas: 0: 0, 1: 40, 2: 0.",
+            idle_while=(("drive", ("no", "swing")),),
+        ),
+    ] = "0: 0, 1: 40, 2: 0"
+    repeats: Annotated[Repeats, _repeats("no", "swing")] = "again"
+
+    @override
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        typed_keys(self.curve)
 
 
 @dataclass(frozen=True)
@@ -105,17 +192,10 @@ class Pin(Fitting):
 
 
 @dataclass(frozen=True)
-class Driven(Fitting):
+class Turning(Driven):
     """Fitting that turns, by itself or driven."""
 
-    drive: Annotated[
-        Drive,
-        Parameter(
-            "Motor",
-            help="How it is driven.",
-            choices=(("no", "Turns freely"), ("steady", "Turns steadily"), ("swing", "To and fro")),
-        ),
-    ] = "no"
+    drive: Annotated[TurningMotor, _TURNING] = "no"
     speed: Annotated[
         float,
         Parameter(
@@ -124,7 +204,7 @@ class Driven(Fitting):
             3600.0,
             unit="°/s",
             help="Of a motor that turns steadily.",
-            idle_while=(("drive", ("no", "swing")),),
+            idle_while=(("drive", ("no", "swing", "curve")),),
         ),
     ] = 90.0
     angle: Annotated[
@@ -135,24 +215,28 @@ class Driven(Fitting):
             720.0,
             unit="°",
             help="To each side, to and fro.",
-            idle_while=(("drive", ("no", "steady")),),
+            idle_while=(("drive", ("no", "steady", "curve")),),
         ),
     ] = 30.0
-    period: Annotated[
-        float,
+    period: Annotated[float, _period("no", "steady", "curve")] = 2.0
+    curve: Annotated[
+        str,
         Parameter(
-            "Period",
-            0.05,
-            600.0,
-            unit="s",
-            help="Time of once to and fro.",
-            idle_while=(("drive", ("no", "steady")),),
+            "Angles at times",
+            help="Seconds, a colon and degrees, with commas: 0: 0, 1: 90, 2: 0.",
+            idle_while=(("drive", ("no", "steady", "swing")),),
         ),
-    ] = 2.0
+    ] = "0: 0, 1: 90, 2: 0"
+    repeats: Annotated[Repeats, _repeats("no", "steady", "swing")] = "again"
+
+    @override
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        typed_keys(self.curve)
 
 
 @dataclass(frozen=True)
-class Hinge(Driven):
+class Hinge(Turning):
     """An axis along its line: the body where it begins turns about it.
 
     Parameters
@@ -166,17 +250,10 @@ class Hinge(Driven):
 
 
 @dataclass(frozen=True)
-class Crank(Driven):
+class Crank(Turning):
     """Turns the bar between two corners of a flat drawing about the first of them."""
 
-    drive: Annotated[
-        Drive,
-        Parameter(
-            "Motor",
-            help="How it is driven.",
-            choices=(("no", "Turns freely"), ("steady", "Turns steadily"), ("swing", "To and fro")),
-        ),
-    ] = "steady"
+    drive: Annotated[TurningMotor, _TURNING] = "steady"
 
 
 @dataclass(frozen=True)

@@ -382,6 +382,14 @@ class PolyhedronState(PartsState):
             "Tabs", 0.0, 1e3, unit="mm", zero="none", help="Width of the tabs of nets, to glue on."
         ),
     ] = 0.0
+    behind: Annotated[
+        Literal["faint", "dashed", "hide"],
+        Parameter(
+            "Edges behind",
+            help="How edges are shown that the solid itself hides.",
+            choices=(("faint", "Faint"), ("dashed", "Dashed"), ("hide", "Not at all")),
+        ),
+    ] = "faint"
     gravity: Annotated[bool, Parameter("Gravity", help="Whether what moves is heavy.")] = False
     damping: Annotated[
         float,
@@ -394,7 +402,7 @@ class PolyhedronState(PartsState):
     )
     contact: Annotated[
         bool,
-        Parameter("Contact", help="Whether solids that move as one piece meet one another."),
+        Parameter("Contact", help="Whether bodies meet: solids one another, a lid its box."),
     ] = True
     friction: Annotated[
         float,

@@ -9,22 +9,28 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import Mesh
 from bozzetto.scene import Item, Layer, Palette, Scene, Shaded, render
 from bozzetto.view import Camera, fit_points, triple
 from bozzetto_polyhedron.commands.answers import chosen_body, has_body
 from bozzetto_polyhedron.commands.pieces import has_followed, step_of_followed
+from bozzetto_polyhedron.mechanism.rotations import rotations_by
 from bozzetto_polyhedron.model.same_view import camera_of
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.reconstruction.ranking import SURE
+from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solid.face_rings import area_vectors
+from bozzetto_polyhedron.solid.hand_over import mesh_of
+from bozzetto_polyhedron.solid.planar_body import PlanarBody
 from bozzetto_polyhedron.solid.triangulation import face_triangles
 from bozzetto_polyhedron.solve.choice import mirrored_number
-from bozzetto_polyhedron.solve.pipeline import solved
+from bozzetto_polyhedron.solve.pipeline import answered, solved
+from bozzetto_polyhedron.solve.standing import foot_of
 from bozzetto_polyhedron.view.drawing_layers import segments
-from bozzetto_polyhedron.view.solid_layers import faceted
+from bozzetto_polyhedron.view.solid_layers import crisp_edges, faceted
 
 MOST: Final = 6
 """Answers that are shown: the right one is hardly ever further behind."""
@@ -35,6 +41,9 @@ own view all answers look alike."""
 
 CERTAIN, LIKELY, DOUBTFUL = 0.95, 0.8, 0.1
 """Confidences from which on the words change."""
+
+UPRIGHT: Final = 0.7
+"""Cosine of the angle from the way up of the sheet within which a body stands on a face."""
 
 EDGE_WIDTH: Final = 1.1
 """px."""
@@ -125,6 +134,7 @@ def gallery_of(
     turned, mirrored = (
         mirrored_number(found.answers, number, camera.axes[2]) for number in (0, found.number)
     )
+    is_round = straightened(body.strokes, body.evidence).reading is not None
     shown = [k for k in range(len(found.answers)) if k < MOST or k in (chosen, mirrored)]
     pictures = []
     for number in shown:
@@ -132,26 +142,44 @@ def gallery_of(
         words = words_of(answer.confidence)
         if number == turned:
             words = "Inside out"
-        pixels = picture_of(answer, found.graph.lines, camera, palette, size, scale)
+        made = answered(body, state, number) if is_round else None
+        edges = (answer.vertices, found.graph.lines, _mesh(answer))
+        up = camera.axes[1]
+        if made is not None:
+            edges = (made.body.vertices, crisp_edges(made), mesh_of(made.body))
+            up = _upwards(made.body, up)
+        pixels = picture_of(*edges, _from_aside(camera, up, size), palette, size, scale)
         pictures.append(AnswerPicture(number, words, answer.confidence, pixels))
     return Gallery(body.id, _sentence(found.answers, chosen), chosen, tuple(pictures))
 
 
 def picture_of(
-    answer: Answer,
-    lines: NDArray[np.intp],
+    vertices: Array,
+    edges: Index,
+    mesh: Mesh | None,
     camera: Camera,
     palette: Palette,
     size: tuple[int, int],
     scale: float = 1.0,
 ) -> NDArray[np.uint8]:
-    """Draw one answer from further round than it was drawn, (h, w, 4) RGBA."""
-    items: list[Item] = []
-    mesh = _mesh(answer)
-    if mesh is not None:
-        items.append(Shaded(faceted(mesh)))
-    items.append(segments(answer.vertices[lines], "ink", EDGE_WIDTH, hidden="faint"))
-    view = fit_points(_from_aside(camera, size), answer.vertices)
+    """Draw a solid, (h, w, 4) RGBA.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        mm.
+    edges : (m, 2) intp
+        That are drawn.
+    mesh : Mesh, optional
+        Its faces.
+    camera : Camera
+        From the side from which it is shown.
+    palette, size, scale
+        As for `gallery_of`.
+    """
+    items: list[Item] = [] if mesh is None else [Shaded(faceted(mesh))]
+    items.append(segments(vertices[edges], "ink", EDGE_WIDTH, hidden="faint"))
+    view = fit_points(camera, vertices)
     scene = Scene((Layer("answer", tuple(items)),))
     return render(scene, view, palette, size=size, scale=scale, background=False)
 
@@ -172,12 +200,19 @@ def _mesh(answer: Answer) -> Mesh | None:
     return Mesh(answer.vertices.astype(np.float32), np.concatenate(made).astype(np.int32))
 
 
-def _from_aside(camera: Camera, size: tuple[int, int]) -> Camera:
-    """Return the camera turned about its target to the right, its canvas a picture."""
-    right, up, forward = camera.axes
-    toward = np.cos(ASIDE) * -forward + np.sin(ASIDE) * right
-    eye = np.asarray(camera.target) + camera.distance * toward
-    return replace(camera, eye=triple(eye), up=triple(up), viewport=size)
+def _upwards(body: PlanarBody, up: Array) -> Array:
+    """Return the way up of a body that stands on a face that looks down; otherwise that given."""
+    foot = foot_of(body)
+    if foot is None or float(body.normals[foot] @ up) > -UPRIGHT:
+        return up
+    return np.asarray(-body.normals[foot])
+
+
+def _from_aside(camera: Camera, up: Array, size: tuple[int, int]) -> Camera:
+    """Return the camera turned about its target to the right, about a way up (3,)."""
+    turn = rotations_by(ASIDE * up[None])[0]
+    eye = np.asarray(camera.target) - camera.distance * (turn @ camera.axes[2])
+    return replace(camera, eye=triple(eye), up=triple(turn @ camera.axes[1]), viewport=size)
 
 
 def _sentence(answers: Sequence[Answer], chosen: int) -> str:

@@ -21,7 +21,7 @@ from bozzetto_polyhedron.drawing_on.push import prism_on, pushed
 from bozzetto_polyhedron.drawing_on.rounded_edges import rounded_edge, rounded_end
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse
-from bozzetto_polyhedron.rounds.reading import Barrel, Bend, Reading, Rim
+from bozzetto_polyhedron.rounds.round_things import Barrel, Bend, Reading, Rim
 from bozzetto_polyhedron.rounds.straightened import Column, Straightened
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody

@@ -15,7 +15,9 @@ from bozzetto.arrays import Array
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.rounds.ellipses import Ellipse
-from bozzetto_polyhedron.rounds.reading import Barrel, Evidence, Reading, read
+from bozzetto_polyhedron.rounds.ink_left import Evidence
+from bozzetto_polyhedron.rounds.reading import read
+from bozzetto_polyhedron.rounds.round_things import Barrel, Reading
 
 SAMPLES: Final = 24
 """Points of a straight stroke in the place of something round."""

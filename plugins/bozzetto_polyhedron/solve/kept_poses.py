@@ -32,8 +32,8 @@ from bozzetto_polyhedron.solve.spots import corner_near, place_of, spot_at
 AT_REST: Final = "This is drawn where everything is at rest. Choose “Back to rest” first."
 
 SWINGS: Final = (
-    "A motor swings to and fro about where everything is at rest, and this belongs to where it is "
-    "now. Choose “Back to rest” first."
+    "A motor swings or follows its curve from where everything is at rest, and this belongs to "
+    "where it is now. Choose “Back to rest” first."
 )
 
 CROWDED: Final = (
@@ -138,7 +138,7 @@ def at_rest_here(state: PolyhedronState, sources: Sources) -> PolyhedronState:
     if state.moved is None:
         return state
     made = moving(as_held(state), sources)
-    if made.machine.assembly.joints.swing.any():
+    if not all(drive.course.goes_on for _, drive in made.machine.assembly.joints.drives):
         raise UserError(SWINGS)
     pose = _Pose(state, made, made.motion(state.moved), {}, {})
     for body_id, number in made.numbers.items():

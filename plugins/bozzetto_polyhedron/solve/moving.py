@@ -13,6 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import FaceGroup, Mesh
 from bozzetto.plugin import remembered
 from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
+from bozzetto_polyhedron.mechanism.convex_parts import Polytope
 from bozzetto_polyhedron.mechanism.fittings import fastened
 from bozzetto_polyhedron.mechanism.pieces import (
     METRE,
@@ -24,7 +25,7 @@ from bozzetto_polyhedron.mechanism.pieces import (
     rigid_faces,
 )
 from bozzetto_polyhedron.mechanism.stepper import Stepper
-from bozzetto_polyhedron.model.fittings import Anchor, Hinge, Trace
+from bozzetto_polyhedron.model.fittings import Anchor, Driven, Hinge, Trace
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import is_near
 from bozzetto_polyhedron.model.same_view import camera_of
@@ -33,6 +34,7 @@ from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solve.followed import Sources, followed_bodies, key_of, parts_of
 from bozzetto_polyhedron.solve.followed_pieces import is_closed
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
+from bozzetto_polyhedron.solve.plates import plate_parts
 from bozzetto_polyhedron.solve.spots import (
     corner_near,
     corner_places_at_rest,
@@ -91,8 +93,7 @@ class Moving:
     @property
     def is_driven(self) -> bool:
         """Whether anything has a motor."""
-        joints = self.machine.assembly.joints
-        return bool(joints.rate.any() or joints.swing.any())
+        return bool(self.machine.assembly.joints.drives)
 
     def moved_place(self, number: int, rest: Array, motion: Motion) -> Array:
         """Return where a place of a shape at rest, (3,) mm, has been taken by a motion."""
@@ -174,10 +175,16 @@ def moving(state: PolyhedronState, sources: Sources = NOTHING) -> Moving:
 
 
 def as_held(state: PolyhedronState) -> PolyhedronState:
-    """Return a state whose held corners are held where they are: at rest, where nothing moved."""
+    """Return a state whose held corners are held where they are: at rest, where nothing moved.
+
+    There motors begin as well.
+    """
     if state.moved is not None:
         return state
     chosen = state.selected
+    for fitting in state.of_kind(Driven):
+        if fitting.since or fitting.offset:
+            state = state.with_node(replace(fitting, since=0.0, offset=0.0))
     bodies: tuple[Body | Followed, ...] = (*state.of_kind(Body), *state.of_kind(Followed))
     for body in bodies:
         if any(anchor.at is not None for anchor in body.anchors):
@@ -265,6 +272,12 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
     if moves == "whole":
         folds = _folds_of(body, state, vertices)
         moves = "plates" if rigid_faces(faces, folds).any() else moves
+    parts: tuple[Polytope, ...] = ()
+    numbers: tuple[int, ...] = ()
+    if moves == "whole" and found.mesh is not None:
+        parts = parts_of(found.mesh)
+    elif folds:
+        parts, numbers = plate_parts(vertices, faces, body.wall)
     return Shape(
         vertices,
         edges,
@@ -274,7 +287,8 @@ def _shape(body: Body, found: Solved, state: PolyhedronState) -> Shape | None:
         density=body.density,
         thickness=body.wall,
         solid=solid,
-        parts=parts_of(found.mesh) if moves == "whole" and found.mesh is not None else (),
+        parts=parts,
+        faces_of_parts=numbers,
         folds=folds,
     )
 

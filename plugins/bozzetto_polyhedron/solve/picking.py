@@ -14,6 +14,7 @@ from bozzetto_polyhedron.model.changes import Join
 from bozzetto_polyhedron.model.same_view import is_one_sheet, is_same, on_sheet, view_of
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
+from bozzetto_polyhedron.solve.round_lines import is_column, round_lines
 
 REACH: Final = 22.0
 """Distance from the pen to what it touches, px: half a finger."""
@@ -72,6 +73,25 @@ def corner_at(state: PolyhedronState, camera: Camera, place: Array) -> Touched |
     return best
 
 
+def round_line_at(state: PolyhedronState, camera: Camera, place: Array) -> Touched | None:
+    """Return the nearest rim or arc within reach, of any body, by the corner nearest to it."""
+    best: Touched | None = None
+    for body in _bodies(state):
+        found = solved(body, state)
+        if body.choice is None and not is_one_sheet(camera, view_of(body)):
+            continue
+        for line in round_lines(body, found):
+            seen = camera.project(line.points)[0] if len(line.points) > 1 else line.points[:, :2]
+            if len(seen) < 2 or not np.isfinite(seen).all() or not len(found.graph.places):
+                continue
+            away = float(distances_to_polyline(np.reshape(place, (1, 2)), seen)[0])
+            if away <= (REACH if best is None else best.distance):
+                middle = line.drawn.mean(axis=0)
+                number = _smallest(np.linalg.norm(found.graph.places - middle, axis=1))
+                best = Touched(body, found, away, number)
+    return best
+
+
 def edge_at_place(state: PolyhedronState, camera: Camera, place: Array) -> Touched | None:
     """Return the nearest line within reach, of any body."""
     best: Touched | None = None
@@ -91,9 +111,12 @@ def edge_at_place(state: PolyhedronState, camera: Camera, place: Array) -> Touch
 def corner_places(body: Body, found: Solved, camera: Camera) -> Array:
     """Return where the corners of a body are seen, (n, 2) px; NaN where they are not.
 
-    Before a drawing is turned, they are there in the view of the drawing alone.
+    Before a drawing is turned, they are there in the view of the drawing alone. What has nothing
+    but cylinders has none.
     """
     view = view_of(body)
+    if is_column(body):  # the box about it has corners that nobody drew
+        return np.full((len(found.graph.places), 2), np.nan)
     if (is_one_sheet if body.choice is None else is_same)(camera, view):
         return camera.project(on_sheet(body, found.graph.places))[0]
     if found.base is not None:

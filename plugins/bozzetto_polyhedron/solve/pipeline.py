@@ -21,8 +21,8 @@ from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, Polyh
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
+from bozzetto_polyhedron.rounds.ink_left import Evidence
 from bozzetto_polyhedron.rounds.on_bodies import shows_column, with_rounds
-from bozzetto_polyhedron.rounds.reading import Evidence
 from bozzetto_polyhedron.rounds.straightened import Straightened, straightened
 from bozzetto_polyhedron.solid.equal_lengths import with_equal_lengths
 from bozzetto_polyhedron.solid.exact import exact_body
@@ -201,17 +201,22 @@ def rounded(base: PlanarBody, body: Body, graph: LineGraph) -> Changed:
     return with_rounds(base, graph, found, body.strokes[0].camera)
 
 
-def _drawn(body: Body, state: PolyhedronState) -> Changed | None:
-    """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
+def answered(body: Body, state: PolyhedronState, number: int) -> Changed | None:
+    """Return an answer as an exact body with what was drawn round; None where it makes none."""
     graph = graph_of_ink(body.strokes, body.evidence, never)
     answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
-    if not answers:
-        return None
-    number = chosen_number(answers, body.choice, body.answer)
     try:
         return rounded(_base(body, state, graph, answers, number, never), body, graph)
     except UserError:
         return None
+
+
+def _drawn(body: Body, state: PolyhedronState) -> Changed | None:
+    """Return the exact body of a drawing, in the frame of the drawing; None where there is none."""
+    answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
+    if not answers:
+        return None
+    return answered(body, state, chosen_number(answers, body.choice, body.answer))
 
 
 def _base(

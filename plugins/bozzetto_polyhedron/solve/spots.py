@@ -11,7 +11,9 @@ from bozzetto.arrays import Array
 from bozzetto.plugin import Part
 from bozzetto_polyhedron.graph.line_graph import Finding
 from bozzetto_polyhedron.mechanism.assembly import GROUND
-from bozzetto_polyhedron.mechanism.fittings import Drive, Fastening, FittingKind
+from bozzetto_polyhedron.mechanism.drives import Course, Drive, Keyed, Steady, Swing
+from bozzetto_polyhedron.mechanism.fittings import Fastening, FittingKind
+from bozzetto_polyhedron.mechanism.pieces import METRE
 from bozzetto_polyhedron.model.fittings import (
     Coil,
     Crank,
@@ -24,8 +26,10 @@ from bozzetto_polyhedron.model.fittings import (
     Slider,
     Spot,
     Trace,
+    Turning,
 )
 from bozzetto_polyhedron.model.followed import Followed
+from bozzetto_polyhedron.model.motor_curves import typed_keys
 from bozzetto_polyhedron.model.same_view import on_sheet
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
@@ -110,7 +114,7 @@ def fastenings_of(state: PolyhedronState, numbers: dict[str, int]) -> list[Faste
                 place_of(fitting.end, state),
                 length=fitting.length if isinstance(fitting, Link | Coil) else 0.0,
                 stiffness=fitting.stiffness if isinstance(fitting, Coil) else 0.0,
-                drive=_drive(fitting) if isinstance(fitting, Driven) else None,
+                drive=drive_of(fitting) if isinstance(fitting, Driven) else None,
                 turns=not isinstance(fitting, Slider) or fitting.turning == "free",
             )
         )
@@ -141,12 +145,21 @@ def _second(fitting: Fitting) -> str:
     return fitting.end.body if isinstance(fitting, Link | Coil) else ""
 
 
-def _drive(fitting: Driven) -> Drive | None:
-    if fitting.drive == "no":
+def drive_of(fitting: Driven) -> Drive | None:
+    """Return what the motor of a fitting does, rad or m; None without any."""
+    if not isinstance(fitting, Turning | Slider) or fitting.drive == "no":
         return None
-    if fitting.drive == "steady":
-        return Drive(rate=float(np.radians(fitting.speed)))
-    return Drive(swing=float(np.radians(fitting.angle)), frequency=2.0 * np.pi / fitting.period)
+    unit = METRE if isinstance(fitting, Slider) else float(np.radians(1.0))
+    course: Course
+    if fitting.drive == "curve":
+        keys = tuple((time, unit * value) for time, value in typed_keys(fitting.curve))
+        course = Keyed(keys, again=fitting.repeats == "again")
+    elif fitting.drive == "swing":
+        size = fitting.travel if isinstance(fitting, Slider) else fitting.angle
+        course = Swing(unit * size, 2.0 * np.pi / fitting.period)
+    else:
+        course = Steady(unit * fitting.speed)
+    return Drive(course, fitting.since, unit * fitting.offset, fitting.id)
 
 
 def _body_of(spot: Spot, state: PolyhedronState) -> Body | None:

@@ -19,6 +19,7 @@ from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.solve.kept_poses import at_rest_here
 from bozzetto_polyhedron.solve.mending import MENDABLE
 from bozzetto_polyhedron.solve.pipeline import Solved, graph_of_ink, never, solved
+from bozzetto_polyhedron.solve.round_lines import is_column
 from bozzetto_polyhedron.solve.spots import is_linkage, places_of_findings
 from bozzetto_polyhedron.solve.standing import stood
 from bozzetto_polyhedron.tools.added_lines import with_added
@@ -95,7 +96,8 @@ class DrawLines(ErasingTool):
             by_touch = " “Mend” does it at a touch." if finding.what in MENDABLE else ""
             return NextStep(f"{finding.sentence}{by_touch}", place=(x, y, z))
         if body.choice is None:
-            return NextStep("The lines close. Touch a corner to turn it.", tool=TurnSolid.id)
+            touched = "rim" if is_column(body) else "corner"
+            return NextStep(f"The lines close. Touch a {touched} to turn it.", tool=TurnSolid.id)
         found: Solved | None = None
         with suppress(UserError):
             found = solved(body, state)

@@ -20,6 +20,7 @@ from bozzetto_polyhedron.solve.followed import Sources
 from bozzetto_polyhedron.solve.moving import NOTHING, moving
 from bozzetto_polyhedron.solve.picking import corner_places
 from bozzetto_polyhedron.solve.pipeline import solved
+from bozzetto_polyhedron.solve.round_lines import round_lines
 from bozzetto_polyhedron.solve.spots import hung_on
 from bozzetto_polyhedron.view.fittings import seen_ends
 
@@ -165,7 +166,12 @@ def _rubbed(body: Body, state: PolyhedronState, path: Stroke, takes: Takes) -> s
         for number, line in enumerate(found.graph.lines)
         if np.isfinite(places[line]).all() and takes(path.points, places[line])
     ]
-    return {stroke for number in covered for stroke in found.graph.strokes[number]}
+    rubbed = {stroke for number in covered for stroke in found.graph.strokes[number]}
+    for line in round_lines(body, found):
+        seen = path.camera.project(line.points)[0] if len(line.points) > 1 else np.zeros((0, 2))
+        if len(seen) and np.isfinite(seen).all() and takes(path.points, seen):
+            rubbed |= line.strokes
+    return rubbed
 
 
 def _crosses(path: Array, line: Array) -> bool:

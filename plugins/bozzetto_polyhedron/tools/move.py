@@ -21,6 +21,7 @@ from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, Grab, PolyhedronState
 from bozzetto_polyhedron.solve.aiming import corner_spot
 from bozzetto_polyhedron.solve.bars import is_of_bars, with_bars_at
+from bozzetto_polyhedron.solve.motors import with_motors_begun
 from bozzetto_polyhedron.solve.moving import (
     TO_MOVE,
     Moving,
@@ -53,6 +54,10 @@ MOST_PIECES: Final = 60
 
 STRONGEST: Final = 8.0
 """Largest force of the pen, in weights of all that moves."""
+
+
+PRESSED: Final = np.radians(0.5)
+"""Angle beyond the end of a hinge's way, rad, at which its motor does not let it stop there."""
 
 
 class Move(ErasingTool):
@@ -99,6 +104,9 @@ class Move(ErasingTool):
         state = as_held(state)
         made = moving_bodies(state, context.sources, "move")
         motion = made.motion(state.moved)
+        begun = with_motors_begun(state, made, motion)
+        if begun is not state:
+            state, made = begun, moving_bodies(begun, context.sources, "move")
         pull, grab = None, None
         if held is not None:
             grab = _deeper(_grabbed(state, made, held), made, held, seconds)
@@ -108,6 +116,11 @@ class Move(ErasingTool):
             raise UserError(
                 "A motor is stuck: the lengths do not let it turn any further. Let it swing to and "
                 "fro, or draw its crank shorter."
+            )
+        if made.is_driven and made.stepper.beyond_stops(motion) > PRESSED:
+            raise UserError(
+                "A motor presses one body against another. Let it turn less far, or switch "
+                "“Contact” off under “Parameters”."
             )
         recording = recorded(state, before, motion)
         return replace(state, moved=kept(motion), grab=grab, recorded=recording)

@@ -12,7 +12,7 @@ from bozzetto.plugin import Context, NextStep, Tap, override
 from bozzetto_polyhedron.commands.answers import first_answer, with_answer
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
 from bozzetto_polyhedron.reconstruction.ranking import SURE
-from bozzetto_polyhedron.solve.picking import corner_at
+from bozzetto_polyhedron.solve.picking import corner_at, round_line_at
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.solve.spots import places_of_findings
 from bozzetto_polyhedron.tools.erase import ErasingTool
@@ -27,19 +27,20 @@ class TurnSolid(ErasingTool):
     id = "turn"
     title = "Turn solid"
     icon = "icons/turn.svg"
-    hint = "Touch a corner of the drawing to turn it into a solid; again for the next answer."
+    hint = "Touch a corner or a rim to turn the drawing into a solid; again for the next answer."
     gesture = "tap"
 
     @override
     def tap(self, state: PolyhedronState, tap: Tap, context: Context) -> PolyhedronState:
         """Turn the drawing whose corner is touched, or show its next answer."""
-        touched = corner_at(state, tap.camera, np.array([tap.x, tap.y]))
+        place = np.array([tap.x, tap.y])
+        touched = corner_at(state, tap.camera, place) or round_line_at(state, tap.camera, place)
         if touched is None:
-            raise UserError("There is no corner here. Touch a corner of the drawing.")
+            raise UserError("There is no corner here. Touch a corner or a rim of the drawing.")
         body = touched.body
         if body.choice is None:
-            place = touched.found.graph.places[touched.number]
-            return first_answer(state, body, place, alone=context.alone)
+            corner = touched.found.graph.places[touched.number]
+            return first_answer(state, body, corner, alone=context.alone)
         if body.id != state.selected:
             number = max(touched.found.number, 0)
         else:

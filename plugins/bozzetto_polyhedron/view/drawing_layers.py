@@ -13,8 +13,10 @@ from bozzetto_polyhedron.model.same_view import camera_of, on_sheet
 from bozzetto_polyhedron.model.state import Body
 from bozzetto_polyhedron.reconstruction.answer import Answer
 from bozzetto_polyhedron.rounds.ellipses import TURN
+from bozzetto_polyhedron.rounds.rims import tangent_lines
 from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solve.pipeline import Solved
+from bozzetto_polyhedron.solve.round_lines import is_column
 from bozzetto_polyhedron.solve.spots import places_of_findings
 
 LINE_WIDTH, LIGHT_WIDTH = 1.6, 0.9
@@ -60,6 +62,8 @@ def line_items(body: Body, graph: LineGraph) -> list[Item]:
     """Return lines and corners as they were understood."""
     if not len(graph.lines):
         return []
+    if is_column(body):
+        return _round_items(body)
     places = on_sheet(body, graph.places)
     light = (graph.light >= MARKED) | np.array([not own for own in graph.strokes])
     items = [
@@ -78,12 +82,16 @@ def line_items(body: Body, graph: LineGraph) -> list[Item]:
 
 
 def _round_items(body: Body) -> list[Item]:
-    """Return the ellipses and arcs that were understood as round."""
+    """Return the ellipses and arcs that were understood as round, and the sides of cylinders."""
     reading = straightened(body.strokes, body.evidence).reading
     if reading is None:
         return []
     turn = np.linspace(0.0, TURN, ROUND_SAMPLES)
     curves = [(rim.ellipse.at(turn), rim.light) for rim in reading.rims]
+    for barrel in reading.barrels:
+        near, far = (reading.rims[number] for number in (barrel.near, barrel.far))
+        sides = tangent_lines(near.ellipse, far.ellipse.center - near.ellipse.center)
+        curves += [(side, not barrel.outside) for side in sides if barrel.tangents]
     curves += [
         each
         for bend in reading.bends

@@ -12,15 +12,16 @@ from bozzetto_polyhedron.mechanism.assembly import GROUND, Motion
 from bozzetto_polyhedron.model.fittings import (
     Coil,
     Crank,
-    Driven,
     Fitting,
     Hinge,
     Link,
     Pin,
     Slider,
     Trace,
+    Turning,
 )
 from bozzetto_polyhedron.model.limits import is_near
+from bozzetto_polyhedron.model.motor_curves import typed_keys
 from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.solve.forces import forces_of
 from bozzetto_polyhedron.solve.moving import Moving
@@ -147,16 +148,22 @@ def _items(fitting: Fitting, ends: Array, side: Array, radius: float, chosen: bo
                 size=END,
             )
         )
-    if isinstance(fitting, Driven) and fitting.drive != "no":
+    if isinstance(fitting, Turning | Slider) and fitting.drive != "no":
         x, y, z = (float(value) for value in points[-1])
         items.append(Label((x, y, z), _drive(fitting), color=color))
     return items
 
 
-def _drive(fitting: Driven) -> str:
-    if fitting.drive == "steady":
+def _drive(fitting: Turning | Slider) -> str:
+    if isinstance(fitting, Turning) and fitting.drive == "steady":
         return f"{fitting.speed:.4g} °/s"
-    return f"±{abs(fitting.angle):.4g}° in {fitting.period:.4g} s"
+    size, unit = (fitting.travel, " mm") if isinstance(fitting, Slider) else (fitting.angle, "°")
+    if fitting.drive == "swing":
+        return f"±{abs(size):.4g}{unit} in {fitting.period:.4g} s"
+    keys = typed_keys(fitting.curve)
+    values = [value for _, value in keys]
+    length = keys[-1][0] - keys[0][0]
+    return f"{min(values):.4g} to {max(values):.4g}{unit} in {length:.4g} s"
 
 
 def _side(made: Moving, fitting: Fitting) -> Array:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from bozzetto.scene import Item, Layer, Scene
+from bozzetto.scene import Hidden, Item, Layer, Lines, Scene
 from bozzetto_polyhedron.flat_pages import page_curves
 from bozzetto_polyhedron.model.changes import Mirror
 from bozzetto_polyhedron.model.followed import Followed
@@ -83,6 +84,7 @@ def scene_of(
         for body in bodies:
             if body.id in results and body.choice is not None:
                 layers[HANDLES] += loop_items(state, body)
+    layers["solid"] = [_behind(item, state.behind) for item in layers["solid"]]
     layers["page"] += page_items(page_curves(state, results))
     return Scene(
         tuple(
@@ -96,6 +98,13 @@ def scene_of(
             if items
         )
     )
+
+
+def _behind(item: Item, hidden: Hidden) -> Item:
+    """Return an item whose hidden edges are shown as the state says."""
+    if isinstance(item, Lines) and item.hidden == "faint":
+        return replace(item, hidden=hidden)
+    return item
 
 
 def scene_after(state: PolyhedronState, sources: Sources) -> Scene:

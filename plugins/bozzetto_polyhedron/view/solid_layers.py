@@ -12,6 +12,7 @@ from bozzetto.arrays import Array, Index
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Mesh
 from bozzetto.scene import Item, Label, Lines, Shaded
+from bozzetto_polyhedron.drawing_on.changed import Changed
 from bozzetto_polyhedron.drawing_on.cylinders import smooth_edges
 from bozzetto_polyhedron.model.state import Body, Measure
 from bozzetto_polyhedron.solid.face_rings import edges_of
@@ -28,23 +29,21 @@ SHEET_OPACITY: Final = 0.6
 
 def solid_items(body: Body, found: Solved, is_chosen: bool) -> list[Item]:
     """Return faces and edges of a body in the model's frame."""
-    if found.body is None:
+    if found.changed is None:
         return []
+    made = found.changed
     items: list[Item] = []
     if found.mesh is not None:
         items.append(Shaded(faceted(found.mesh), color=body.color or "clay"))
-    edges = _crisp(found)
+    edges = crisp_edges(made)
     if len(edges) and body.wall == 0.0:
         width = CHOSEN_WIDTH if is_chosen else EDGE_WIDTH
-        items.append(segments(found.body.vertices[edges], "ink", width, hidden="faint"))
+        items.append(segments(made.body.vertices[edges], "ink", width, hidden="faint"))
     return items
 
 
-def _crisp(found: Solved) -> Index:
+def crisp_edges(made: Changed) -> Index:
     """Return the edges of a body without those between the sides of a cylinder, (m, 2)."""
-    if found.changed is None:
-        return np.zeros((0, 2), np.intp)
-    made = found.changed
     edges = edges_of(made.body.faces)
     smooth = smooth_edges(made.body, made.circles)
     return np.array([e for e in edges.tolist() if tuple(e) not in smooth], np.intp).reshape(-1, 2)

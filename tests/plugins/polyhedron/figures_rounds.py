@@ -34,7 +34,7 @@ from tests.plugins.polyhedron.round_parts import PARTS, RoundView, round_view, s
 
 CAMERA = Camera(kind="orthographic")
 
-ALIKE = {0.01: 0.7, 0.02: 0.6}
+ALIKE = {0.01: 0.75, 0.02: 0.65}
 """Least share of the union of both volumes that they have in common, by jitter."""
 
 

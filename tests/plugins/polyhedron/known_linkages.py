@@ -15,6 +15,7 @@ from bozzetto_polyhedron.mechanism.assembly import (
     no_joints,
     spherical,
 )
+from bozzetto_polyhedron.mechanism.drives import Drive, Steady
 
 SWING: dict[str, object] = {"drive": "swing", "angle": 30.0}
 RISE: dict[str, object] = {"drive": "swing", "angle": 12.0}
@@ -186,7 +187,7 @@ def walking(friction: float, rate: float) -> tuple[Assembly, Motion]:
     joints, axis = assembly.joints, np.array([0.0, 1.0, 0.0])
     for bar, frame in (("zx", "zy"), ("ow", "ou")):
         turned, against = known.bars.index(bar), known.bars.index(frame)
-        joints += motor(motion, turned, against, axis, rate)
+        joints += motor(motion, turned, against, axis, Drive(Steady(rate)))
     feet = [carriers[name] for name in "fFeE"]
     ground = Ground(
         np.array([rod for rod, _ in feet]),

@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
 from bozzetto_polyhedron.mechanism.assembly import GROUND, spherical
-from bozzetto_polyhedron.mechanism.collision import Placed, depth_of, touch_within
+from bozzetto_polyhedron.mechanism.collision import Placed, gap_between, touch_within
 from bozzetto_polyhedron.mechanism.convex_parts import MOST_CORNERS, convex_parts, polytope_of
 from bozzetto_polyhedron.mechanism.stepper import Pull, Stepper
 from bozzetto_polyhedron.mechanism.touches import jointed, lying_in_one_another
@@ -74,7 +74,7 @@ def test_polytopes_overlap_where_no_plane_lies_between_them(seed):
         turn = Rotation.random(random_state=rng).as_matrix()
         second = still(other, rng.normal(size=3) * 0.06, turn)
         apart = separable(one.corners, second.corners)
-        assert (depth_of(one, second) == 0.0) == apart
+        assert (gap_between(one, second) >= 0.0) == apart
         seen.add(apart)
     assert seen == {True, False}
 
@@ -90,14 +90,14 @@ def test_a_meeting_is_foreseen_and_a_miss_is_none(seed):
         start *= 0.25 / np.linalg.norm(start)
         velocity = (rng.normal(size=3) * 0.06 - start) * 30.0
         second = still(random_polytope(rng), start, turn, velocity)
-        depths = [depth_of(one, second.later(t)) for t in np.linspace(0.0, 0.06, 400)]
+        flight = [gap_between(one, second.later(t)) for t in np.linspace(0.0, 0.06, 400)]
         touch = touch_within(one, second, 0.06, 1e-5)
-        if max(depths) > 1e-3:
+        if min(flight) < -1e-3:
             assert touch is not None
             gaps = (touch.on_second - touch.on_first) @ touch.normal
             assert (gaps > 0.0).all()
             assert (gaps < -(velocity @ touch.normal) * 0.06).all()
-        elif max(depths) == 0.0:
+        elif min(flight) >= 0.0:
             assert touch is None
 
 
@@ -146,7 +146,7 @@ def depths(stepper: Stepper, motion) -> float:
         for b, other in zip(placed[:k], colliding.bodies[:k], strict=True)
         if one != other
     ]
-    return max(depth_of(a, b) for a, b in pairs)
+    return max(0.0, -min(gap_between(a, b) for a, b in pairs))
 
 
 def test_a_dropped_chair_stands_on_its_legs_and_carries_a_box():

@@ -17,6 +17,7 @@ from bozzetto_polyhedron.mechanism.assembly import (
     motor,
     no_joints,
 )
+from bozzetto_polyhedron.mechanism.drives import Drive, Steady
 from bozzetto_polyhedron.mechanism.rotations import rotations_by
 from bozzetto_polyhedron.mechanism.stepper import Pull, Stepper
 from tests.plugins.polyhedron.mechanisms import (
@@ -152,7 +153,8 @@ def test_mass_on_a_spring_swings_in_its_period():
 def test_motor_turns_at_its_rate():
     motion = Motion.at_rest(np.array([[0.05, 0.0, 0.0]]))
     begin, end = np.zeros(3), np.array([0.0, 0.0, 0.1])
-    joints = hinge(motion, 0, GROUND, begin, end) + motor(motion, 0, GROUND, end - begin, 2.0)
+    joints = hinge(motion, 0, GROUND, begin, end)
+    joints += motor(motion, 0, GROUND, end - begin, Drive(Steady(2.0)))
     assembly = Assembly(np.ones(1), 1e-3 * np.eye(3)[None], joints)
     motion = Stepper(assembly, tolerance=1e-10).advanced(motion, 1.25)
     angle = np.arctan2(motion.turns[0][1, 0], motion.turns[0][0, 0])

@@ -131,7 +131,7 @@ def test_a_drawing_of_flat_faces_goes_on_as_it_was_drawn(name):
 # -- what becomes of it ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [7201, 7216])
+@pytest.mark.parametrize("seed", [7201, 7202])
 @pytest.mark.parametrize("name", sorted(set(PARTS) - {"slotted link", "four rounded edges"}))
 def test_a_part_drawn_without_error_comes_out_exactly(name, seed):
     seen = round_view(name, seed)
