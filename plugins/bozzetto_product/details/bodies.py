@@ -18,7 +18,13 @@ from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
 from bozzetto_product.details.emblem_places import LOST, emblem_outlines
-from bozzetto_product.details.ground import Ground, followed_outline, kept_places
+from bozzetto_product.details.ground import (
+    FollowedOutline,
+    Ground,
+    followed_outline,
+    kept_places,
+)
+from bozzetto_product.details.laid_floors import LaidFloor, on_floors
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell
@@ -36,6 +42,9 @@ THIN: Final = 1e-7
 LAYERS: Final = 4
 """Triangles in front of the far side that a ray may meet: those of the surface's own side, for
 triangles lie a little beside a surface."""
+
+FLOORED: Final = ("in", "raised")
+"""Kinds of details that move all that is inside."""
 
 OFF: Final = "The outline is on no surface. Draw it on a surface."
 UNDRAWN: Final = "it has no outline. Draw it with the tool “Detail”."
@@ -92,12 +101,15 @@ class DetailedBodies:
         The same surfaces without details.
     grounds : tuple of Ground
         What they lie on.
+    floors : tuple of LaidFloor
+        Those of the details, as they were made.
     """
 
     shells: tuple[Shell, ...] = ()
     details: tuple[SolvedDetail, ...] = ()
     plain: tuple[Shell, ...] = ()
     grounds: tuple[Ground, ...] = ()
+    floors: tuple[LaidFloor, ...] = ()
 
     def number_of(self, detail: Detail, mirrored: bool) -> int:
         """Return the number of a detail, or of its mirror image."""
@@ -119,14 +131,46 @@ def detailed_bodies(
 ) -> DetailedBodies:
     """Return bodies with details carved in their order; a mirror image after its detail.
 
-    What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
+    What has a floor comes before what it encloses, which then lies on that floor. What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
     """
     made = _plain_bodies(tuple(grounds))
-    for detail in details:
+    for detail in _enclosing_first(tuple(grounds), details):
         for mirrored in (False, True) if detail.mirrored else (False,):
             checkpoint()
             made = _with_detail(made, tuple(grounds), detail, mirrored, symmetry)
     return made
+
+
+def _enclosing_first(grounds: tuple[Ground, ...], details: Sequence[Detail]) -> list[Detail]:
+    row: list[Detail] = []
+    for detail in details:
+        places = (k for k, other in enumerate(row) if _encloses(grounds, detail, other))
+        row.insert(next(places, len(row)), detail)
+    return row
+
+
+def _encloses(grounds: tuple[Ground, ...], outer: Detail, inner: Detail) -> bool:
+    """Whether a detail with a floor goes round all of another one."""
+    import shapely
+
+    if outer.kind not in FLOORED or not outer.closed or None in (outer.places, inner.places):
+        return False
+    try:
+        around, within = (outline_of(detail, grounds) for detail in (outer, inner))
+    except UserError:
+        return False
+    followed, own = (_followed(grounds, places, None) for places in (around, within))
+    if followed is None or own is None:
+        return False
+    laid = _laid(followed, (), around, True)
+    if laid.chart is None or (own.normals @ laid.chart.normal <= 0.0).any():
+        return False
+    flat = laid.chart.flat(own.points)
+    areas = (
+        shapely.Polygon(rings[0].polyline[:-1], [ring.polyline[:-1] for ring in rings[1:]])
+        for rings in laid.regions
+    )
+    return any(bool(shapely.contains_xy(area, *flat.T).all()) for area in areas)
 
 
 @remembered(limit=4, key=lambda grounds: tuple((g.patch, g.mirrored, g.fill.key) for g in grounds))
@@ -179,17 +223,19 @@ def _with_detail(
     except UserError as error:
         row = SolvedDetail(detail, mirrored, problem=str(error))
         return replace(made, details=(*made.details, row))
-    laid = _laid(grounds, places, detail.closed, plane)
-    if laid is None:
+    followed = _followed(grounds, places, plane)
+    if followed is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)
         return replace(made, details=(*made.details, row))
+    *_, under = on_floors(made.floors, followed.points, followed.normals, places.starts.tolist())
+    laid = _laid(followed, under, places, detail.closed)
     told = ASIDE if laid.lost else ""
     if isinstance(detail, Emblem) and detail.flat is not None and detail.flat.missing:
         told = f"there are no letters for “{detail.flat.missing}”; it is written without."
     if not detail.closed and detail.kind != "split":
         told = OPEN
     solved = SolvedDetail(detail, mirrored, laid.outlines, laid.problem, told)
-    shells, deviation = list(made.shells), 0.0
+    shells, floors = list(made.shells), list[LaidFloor]()
     try:
         form = Form(detail.kind, detail.depth, float(np.radians(detail.draft)), detail.gap)
         for region in laid.regions:
@@ -204,11 +250,17 @@ def _with_detail(
                 done = carved(shells[which], chart, region, near, form, _thickness(grounds), number)
             else:
                 done = parted(shells[which], chart, region[0], near, number)
-            shells[which], deviation = done.shell, max(deviation, done.deviation)
+            shells[which] = done.shell
+            floors += () if done.floor is None else (done.floor,)
     except UserError as error:
         return replace(made, details=(*made.details, replace(solved, problem=str(error))))
-    row = replace(solved, deviation=deviation)
-    return replace(made, shells=tuple(shells), details=(*made.details, row))
+    row = replace(solved, deviation=max((f.floor.deviation for f in floors), default=0.0))
+    return replace(
+        made,
+        shells=tuple(shells),
+        details=(*made.details, row),
+        floors=(*made.floors, *floors),
+    )
 
 
 def outline_of(detail: Detail, grounds: tuple[Ground, ...]) -> OutlinePlaces:
@@ -280,25 +332,47 @@ class _Laid:
 
 @remembered(
     limit=128,
-    key=lambda grounds, places, closed, plane: (
+    key=lambda grounds, places, plane: (
         places,
-        closed,
         plane,
         tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
     ),
 )
-def _laid(
-    grounds: tuple[Ground, ...], places: OutlinePlaces, closed: bool, plane: Plane | None
-) -> _Laid | None:
+def _followed(
+    grounds: tuple[Ground, ...], places: OutlinePlaces, plane: Plane | None
+) -> FollowedOutline | None:
     """Return where outlines are now, or their mirror images; None where their surfaces are gone."""
     followed = followed_outline(grounds, places)
-    if followed is None:
-        return None
-    points, normals = followed.points, followed.normals
-    if plane is not None:
-        mirror = Reflection(plane)
-        points = mirror.points(points)
-        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
+    if followed is None or plane is None:
+        return followed
+    mirror = Reflection(plane)
+    normals = followed.normals
+    return FollowedOutline(
+        mirror.points(followed.points),
+        normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal,
+        followed.lost,
+    )
+
+
+@remembered(
+    limit=128,
+    key=lambda followed, floors, places, closed: (
+        followed,
+        tuple(floor.floor for floor in floors),
+        places,
+        closed,
+    ),
+)
+def _laid(
+    followed: FollowedOutline,
+    floors: tuple[LaidFloor, ...],
+    places: OutlinePlaces,
+    closed: bool,
+) -> _Laid:
+    """Return outlines on surfaces, or on floors, as regions of a chart."""
+    points, normals, _ = on_floors(
+        floors, followed.points, followed.normals, places.starts.tolist()
+    )
     pieces = np.split(np.arange(len(points)), places.starts[1:].tolist())
     outlines = tuple(
         np.vstack((points[rows], points[rows[:1]])) if closed else points[rows] for rows in pieces
