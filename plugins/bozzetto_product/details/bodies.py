@@ -131,7 +131,8 @@ def detailed_bodies(
 ) -> DetailedBodies:
     """Return bodies with details carved in their order; a mirror image after its detail.
 
-    What has a floor comes before what it encloses, which then lies on that floor. What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
+    What has a floor comes before what it encloses, which then lies on that floor. What cannot be
+    carved is left as it is and told by its `SolvedDetail.problem`.
     """
     made = _plain_bodies(tuple(grounds))
     for detail in _enclosing_first(tuple(grounds), details):

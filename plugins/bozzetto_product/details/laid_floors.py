@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import shapely
 
 SLACK: Final = 0.02
-"""Difference of a place's distance from a floor and the floor's own, as share of it, that is meant."""
+"""Difference from its height, as share of it, at which a place of a surface is under a floor."""
 
 ON: Final = 2e-3
 """Distance from a floor, as share of the size of its region, at which a place lies on it."""

@@ -111,6 +111,17 @@ class ProductState(PartsState):
         float,
         Parameter("Fillet", 1e-3, 1e5, unit="mm", help="Radius of the next fillet.", advanced=True),
     ] = 5.0
+    strength: Annotated[
+        float,
+        Parameter(
+            "Strength of creases",
+            0.0,
+            1.0,
+            0.01,
+            tools=("crease",),
+            help="Of the next edge that is touched: 0 is smooth, 1 a full crease.",
+        ),
+    ] = 1.0
     spacing: Annotated[
         float,
         Parameter(

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
+from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, cast_rays
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.corners import CORNER, Corner, corners_of
@@ -17,11 +17,9 @@ from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
 from bozzetto_product.projection.views import pixel_size
 from bozzetto_product.tools.move import dragged_to
-from bozzetto_product.tools.over_curve import NO_CURVE
 from bozzetto_product.tools.product_tool import (
-    ProductTool,
+    CurveTool,
     changed,
-    has_curves,
     own_surfaces,
     standing,
 )
@@ -44,7 +42,7 @@ STILL: Final = 3.0
 _NOBODY: Final = "There is no corner here. Touch one between the two curves that are meant."
 
 
-class Fillet(ProductTool):
+class Fillet(CurveTool):
     """Rounds the corner between two curves that end in one joint."""
 
     id = FILLET_TOOL
@@ -56,11 +54,6 @@ class Fillet(ProductTool):
         "the radius “Fillet”."
     )
     gesture = "drag"
-
-    @override
-    def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture; where there is no curve, that one is to be drawn."""
-        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     @standing
