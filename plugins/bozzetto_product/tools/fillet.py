@@ -103,7 +103,11 @@ def _is_same(one: Spline, other: Spline) -> bool:
 
 def _dragged(state: ProductState, drag: Drag) -> ProductState:
     corner = next(
-        (one for one in corners_of(state.joints, splines_of(state)) if one.name == drag.handle),
+        (
+            one
+            for one in corners_of(state.joints, splines_of(state), state.symmetry)
+            if one.name == drag.handle
+        ),
         None,
     )
     if corner is None or not drag.handle.startswith(CORNER):
@@ -117,7 +121,7 @@ def _dragged(state: ProductState, drag: Drag) -> ProductState:
 
 
 def _rounded(state: ProductState, corner: Corner, radius: float) -> ProductState:
-    made, name = fillet(state, corner.joint, corner.first, corner.second, radius)
+    made, name = fillet(state, corner.joint, corner.first, corner.second, radius, corner.ways)
     return replace(made, selected=name)
 
 
@@ -126,7 +130,7 @@ def _under(state: ProductState, tap: Tap, surfaces: Scene) -> Corner | None:
     camera = tap.camera
     pen = np.array((tap.x, tap.y))
     best: tuple[float, float, Corner] | None = None
-    for corner in corners_of(state.joints, splines_of(state)):
+    for corner in corners_of(state.joints, splines_of(state), state.symmetry):
         seen = camera.project(np.array((corner.place, corner.handle)))[0]
         away = float(np.linalg.norm(seen[0] - pen))
         if not np.isfinite(seen).all() or away > REACH or _is_hidden(corner, tap, surfaces):

@@ -111,8 +111,91 @@ def _curves_at(state: ProductState, joint: str) -> list[str]:
     return [m.curve for one in state.joints if one.id == joint for m in one.meetings]
 
 
-def test_what_runs_through_is_told() -> None:
-    """A T: two curves end inside a third one."""
+def network(lines: dict[str, list[tuple[float, float, float]]], mirrored: str = "") -> ProductState:
+    """Straight curves by their ends, joined wherever an end lies on a curve; y = 0 is symmetric."""
+    knots = Spline.uniform(np.zeros((7, 3))).knots
+    share = np.array([knots[k + 1 : k + 4].mean() for k in range(7)])[:, None] / knots[-1]
+    curves = []
+    for name, ends in lines.items():
+        first, last = np.array(ends, float)
+        spline = Spline.uniform((1.0 - share) * first + share * last)
+        curves.append(Curve(name, name, spline=spline, mirrored=name in mirrored))
+    places = sorted({end for ends in lines.values() for end in ends})
+    joints = []
+    for number, place in enumerate(places):
+        meetings = []
+        for name, (first, last) in lines.items():
+            way = np.subtract(last, first)
+            at = float(np.subtract(place, first) @ way / (way @ way))
+            off = np.linalg.norm(np.array(first) + at * way - place)
+            if -1e-9 < at < 1.0 + 1e-9 and off < 1e-9:
+                meetings.append(Meeting(name, at))
+        joints.append(Joint(f"j{number}", tuple(meetings), bool(mirrored) and place[1] == 0.0))
+    return with_patches_found(ProductState(nodes=tuple(curves), joints=tuple(joints)))
+
+
+def areas(state: ProductState) -> list[float]:
+    result = solve_product(state, Job())
+    assert not any(one.problem for one in result.patches)
+    return sorted(one.fill.area for one in result.filled if one.fill is not None)
+
+
+SHEET = {
+    "t": [(0.0, 0.0, 0.0), (100.0, 0.0, 0.0)],
+    "u": [(0.0, 40.0, 0.0), (100.0, 40.0, 0.0)],
+    "l": [(0.0, 0.0, 0.0), (0.0, 40.0, 0.0)],
+    "r": [(100.0, 0.0, 0.0), (100.0, 40.0, 0.0)],
+    "a": [(60.0, 0.0, 0.0), (60.0, 40.0, 0.0)],
+}
+"""A sheet of 100 by 40, parted by one line that ends inside both long sides."""
+
+CUT_OFF = (1.0 - 0.25 * np.pi) * RADIUS**2
+"""Area between a right angle and its arc, mm²."""
+
+COARSE = 0.05 * CUT_OFF
+"""Of triangles between an arc and its chords."""
+
+
+def corner_at(state: ProductState, curves: set[str], toward: tuple[float, float, float]) -> Corner:
+    return min(
+        (
+            one
+            for one in corners_of(state.joints, splines_of(state), state.symmetry)
+            if {one.first, one.second} == curves
+        ),
+        key=lambda one: float(np.linalg.norm(np.subtract(one.handle, toward))),
+    )
+
+
+def rounded(state: ProductState, corner: Corner) -> ProductState:
+    done, arc = fillet(state, corner.joint, corner.first, corner.second, RADIUS, corner.ways)
+    spline = splines_of(done)[arc]
+    middles = spline.value(np.linspace(*spline.range, 9))
+    way = np.subtract(corner.handle, corner.place)
+    centre = corner.place + np.sqrt(2.0) * RADIUS * way / np.linalg.norm(way)
+    assert np.linalg.norm(middles - centre, axis=1) == pytest.approx(RADIUS, rel=1e-6)
+    assert [patch.id for patch in done.of_kind(Patch)] == [p.id for p in state.of_kind(Patch)]
+    assert with_patches_found(done).of_kind(Patch) == done.of_kind(Patch)
+    return done
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("x", [50.0, 70.0])
+def test_on_a_curve_that_runs_through_the_arc_ends_inside_it(x: float, turned: bool) -> None:
+    """What one surface loses the other one gets."""
+    lines = {name: ends[::-1] if turned else ends for name, ends in SHEET.items()}
+    state = network(lines)
+    assert areas(state) == pytest.approx([1600.0, 2400.0], abs=1e-6)
+    done = rounded(state, corner_at(state, {"t", "a"}, (x, 10.0, 0.0)))
+    assert misses(done) < 1e-9
+    found = splines_of(done)["t"].control_points[[0, -1]]
+    np.testing.assert_array_equal(found, splines_of(state)["t"].control_points[[0, -1]])
+    change = CUT_OFF if x < 60.0 else -CUT_OFF
+    assert areas(done) == pytest.approx([1600.0 + change, 2400.0 - change], abs=COARSE)
+
+
+def test_what_runs_through_meets_the_arc_of_two_others() -> None:
+    """Two curves end in one place inside a third one: that goes on to touch their arc."""
     share = np.linspace(-1.0, 1.0, 9)[:, None]
     through = Spline.uniform(share * (50.0, 0.0, 0.0))
     ends = [Spline.uniform((share + 1.0) * way) for way in ((20.0, 20.0, 0.0), (-20.0, 20.0, 0.0))]
@@ -121,9 +204,62 @@ def test_what_runs_through_is_told() -> None:
     ]
     joint = Joint("j", (Meeting("t", 0.5), Meeting("a", 0.0), Meeting("b", 0.0)))
     state = ProductState(nodes=tuple(curves), joints=(joint,))
-    with pytest.raises(UserError, match="runs through"):
-        fillet(state, "j", "a", "b", 5.0)
-    assert not list(corners_of(state.joints, splines_of(state)))
+    done, arc = fillet(state, "j", "a", "b", 5.0)
+    assert misses(done) < 1e-9
+    (kept,) = (one for one in done.joints if one.id == "j")
+    assert {meet.curve for meet in kept.meetings} == {"t", arc}
+
+
+HALF = {name: SHEET[name] for name in "tulr"}
+"""Half of a sheet that is symmetric across its side t."""
+
+
+def test_a_corner_in_the_symmetry_plane_is_rounded_on_both_sides() -> None:
+    state = network(HALF, mirrored="ulr")
+    assert areas(state) == pytest.approx([4000.0, 4000.0], abs=1e-6)
+    done = rounded(state, corner_at(state, {"t", "l"}, (9.0, 9.0, 0.0)))
+    spline = splines_of(done)["t"].control_points
+    assert (spline[:, 1] == 0.0).all()
+    assert min(spline[[0, -1], 0]) == pytest.approx(RADIUS)
+    one, other = areas(done)
+    assert one == pytest.approx(4000.0 - CUT_OFF, abs=COARSE)
+    assert one == other
+    (foot,) = (
+        joint for joint in done.joints if {m.curve for m in joint.meetings} == {"t", done.selected}
+    )
+    assert foot.in_plane
+
+
+@pytest.mark.parametrize("x", [50.0, 70.0])
+def test_a_curve_in_the_symmetry_plane_stays_whole_where_it_goes_on(x: float) -> None:
+    state = network(SHEET, mirrored="ulra")
+    done = rounded(state, corner_at(state, {"t", "a"}, (x, 10.0, 0.0)))
+    change = CUT_OFF if x < 60.0 else -CUT_OFF
+    expected = [1600.0 + change] * 2 + [2400.0 - change] * 2
+    assert areas(done) == pytest.approx(expected, abs=COARSE)
+    found = splines_of(done)["t"].control_points
+    np.testing.assert_array_equal(found, splines_of(state)["t"].control_points)
+
+
+def test_a_corner_of_two_curves_in_the_symmetry_plane_stays_in_it() -> None:
+    """A third curve that ends there ends on the arc, in the plane, from then on."""
+    lines = {**HALF, "v": [(0.0, 0.0, 0.0), (0.0, 0.0, 50.0)]}
+    state = network(lines, mirrored="ulr")
+    done, arc = fillet(state, *corner_names(state, {"t", "v"}), RADIUS)
+    spline = splines_of(done)[arc]
+    assert (spline.control_points[:, 1] == 0.0).all()
+    middle = np.array((RADIUS, 0.0, RADIUS))
+    away = np.linalg.norm(spline.value(np.linspace(*spline.range, 9)) - middle, axis=1)
+    assert away == pytest.approx(RADIUS, rel=1e-6)
+    assert misses(done) < 1e-9
+    on_arc = [one for one in done.joints if any(m.curve == arc for m in one.meetings)]
+    assert len(on_arc) == 3
+    assert all(one.in_plane for one in on_arc)
+
+
+def corner_names(state: ProductState, curves: set[str]) -> tuple[str, str, str]:
+    corner = corner_at(state, curves, (0.0, 0.0, 0.0))
+    return corner.joint, corner.first, corner.second
 
 
 def _context(state: ProductState) -> Context:
@@ -142,7 +278,11 @@ def test_every_corner_has_a_handle_of_the_tool() -> None:
 def test_the_arc_goes_where_the_pen_drags_it(radius: float) -> None:
     """Dragged along the bisector to where the middle of the arc of a radius is."""
     state = box()
-    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
     start, place = np.array(corner.handle), np.array(corner.place)
     way = (start - place) / np.linalg.norm(start - place)
     goal = place + radius * (1.0 / np.sin(0.25 * np.pi) - 1.0) * way
@@ -173,7 +313,11 @@ def _ways(corner: Corner, state: ProductState) -> tuple[np.ndarray, np.ndarray]:
 
 def test_a_touch_on_a_dot_takes_the_radius_that_is_set() -> None:
     state = box()
-    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
     x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
     path = Pen(camera=VIEW).along([(x, y), (x + 0.4, y)])
     done = Fillet().drag(state, Drag(corner.name, path), Context(camera=VIEW))
@@ -184,7 +328,11 @@ def test_a_touch_on_a_dot_takes_the_radius_that_is_set() -> None:
 
 def test_the_preview_shows_what_changes_only() -> None:
     state = box()
-    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
     x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
     path = Pen(camera=VIEW).along([(x, y), (x + 6.0, y)])
     (layer,) = Fillet().preview(state, Drag(corner.name, path), Context(camera=VIEW)).layers
@@ -200,7 +348,7 @@ def test_a_touch_means_the_corner_that_it_lies_in(pair: tuple[int, int]) -> None
     names = {curves[k] for k in pair}
     wanted = next(
         one
-        for one in corners_of(state.joints, splines_of(state))
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
         if one.joint == "j7" and {one.first, one.second} == names
     )
     seen = VIEW.project(np.array((wanted.place, wanted.handle)))[0]
