@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from bozzetto.plugin import Parameter, PartsState
+from bozzetto_product.model.arcs import Arc
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.emblems import Emblem
@@ -40,7 +41,7 @@ class ProductState(PartsState):
     """
 
     nodes: tuple[
-        Curve | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...
+        Curve | Arc | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...
     ] = ()
     joints: tuple[Joint, ...] = ()
     rejected: tuple[Boundary, ...] = ()

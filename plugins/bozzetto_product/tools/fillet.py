@@ -13,8 +13,8 @@ from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, cast_rays
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.corners import CORNER, Corner, corners_of
-from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.operations.refillet import rounded_corner
 from bozzetto_product.projection.views import pixel_size
 from bozzetto_product.tools.move import dragged_to
 from bozzetto_product.tools.product_tool import (
@@ -121,8 +121,7 @@ def _dragged(state: ProductState, drag: Drag) -> ProductState:
 
 
 def _rounded(state: ProductState, corner: Corner, radius: float) -> ProductState:
-    made, name = fillet(state, corner.joint, corner.first, corner.second, radius, corner.ways)
-    return replace(made, selected=name)
+    return rounded_corner(state, corner.joint, corner.first, corner.second, radius, corner.ways)
 
 
 def _under(state: ProductState, tap: Tap, surfaces: Scene) -> Corner | None:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from bozzetto.document.model import Document, Model
+from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.plugin import Context, Drag, Job, Tap
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Handle, Lines
 from bozzetto.testing import Pen, same
 from bozzetto.view import Camera
+from bozzetto_product.model.arcs import Arc
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.patches import Patch
@@ -21,6 +26,8 @@ from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.corners import Corner, corners_of
 from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.operations.pieces import split_curve
+from bozzetto_product.operations.refillet import rounded_corner
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.fillet import Fillet
@@ -372,3 +379,62 @@ def test_nothing_is_rounded_where_no_corner_is() -> None:
     path = Pen(camera=VIEW).along([(100.0, 100.0), (120.0, 100.0)])
     with pytest.raises(UserError, match="not there any more"):
         Fillet().drag(state, Drag("corner j7 e0 gone", path), _context(state))
+
+
+def test_another_radius_typed_rounds_the_corner_anew() -> None:
+    """It is the network that the first radius would have made, but for ids and their order."""
+    state = box()
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
+    names = (corner.joint, corner.first, corner.second)
+    once = rounded_corner(state, *names, 5.0)
+    arc = once.node(once.selected)
+    assert isinstance(arc, Arc)
+    painted = once.with_node(replace(arc, color=(200, 10, 10), name="Lip"))
+    nodes = tuple(replace(n, radius=9.0) if n.id == arc.id else n for n in painted.nodes)
+    anew = ProductModeler().with_parts(painted, nodes, arc.id)
+    fresh = rounded_corner(state, *names, 9.0)
+    for name, spline in splines_of(fresh).items():
+        np.testing.assert_array_equal(splines_of(anew)[name].control_points, spline.control_points)
+    assert {joint.id: set(joint.meetings) for joint in anew.joints} == {
+        joint.id: set(joint.meetings) for joint in fresh.joints
+    }
+    assert [one.boundary for one in anew.of_kind(Patch)] == [
+        one.boundary for one in fresh.of_kind(Patch)
+    ]
+    kept = anew.node(arc.id)
+    assert (kept.name, kept.color, kept.radius) == ("Lip", (200, 10, 10), 9.0)
+    back = ProductModeler().with_parts(
+        anew, tuple(replace(n, radius=5.0) if n.id == arc.id else n for n in anew.nodes), arc.id
+    )
+    assert same(back.node(arc.id).spline, arc.spline)
+
+
+def test_a_corner_that_was_changed_since_keeps_its_radius_and_says_so() -> None:
+    state = box()
+    once = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 5.0)
+    arc = once.node(once.selected)
+    cut, _ = split_curve(once, arc.rounded.first, [0.4])
+    nodes = tuple(replace(n, radius=9.0) if n.id == arc.id else n for n in cut.nodes)
+    with pytest.raises(UserError, match="changed since"):
+        ProductModeler().with_parts(cut, nodes, arc.id)
+    nodes = tuple(replace(n, radius=900.0) if n.id == arc.id else n for n in once.nodes)
+    with pytest.raises(UserError, match="too large"):
+        ProductModeler().with_parts(once, nodes, arc.id)
+
+
+def test_an_arc_comes_back_from_a_document_and_is_rounded_anew() -> None:
+    state = box()
+    once = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 5.0)
+    version = ProductModeler.state_version
+    made = Model("m", "Box", "bozzetto.product", once, state_version=version)
+    content = encode_document(Document((made,)))
+    (again,) = decode_document(content, Registry())[0].models
+    assert encode_document(Document((again,))) == content
+    nodes = tuple(replace(n, radius=7.0) if n.id == once.selected else n for n in again.state.nodes)
+    anew = ProductModeler().with_parts(again.state, nodes, once.selected)
+    wanted = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 7.0)
+    assert same(anew.node(once.selected).spline, wanted.node(wanted.selected).spline)
