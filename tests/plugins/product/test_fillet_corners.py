@@ -384,12 +384,7 @@ def test_nothing_is_rounded_where_no_corner_is() -> None:
 def test_another_radius_typed_rounds_the_corner_anew() -> None:
     """It is the network that the first radius would have made, but for ids and their order."""
     state = box()
-    corner = next(
-        one
-        for one in corners_of(state.joints, splines_of(state), state.symmetry)
-        if one.joint == "j7"
-    )
-    names = (corner.joint, corner.first, corner.second)
+    names = ("j7", *_curves_at(state, "j7")[:2])
     once = rounded_corner(state, *names, 5.0)
     arc = once.node(once.selected)
     assert isinstance(arc, Arc)
