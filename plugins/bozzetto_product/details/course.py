@@ -89,7 +89,10 @@ CREASED: Final = (
     "The outline crosses an edge that is a crease: only cuts and splits may. Draw it on one smooth "
     "surface, or make the edge smooth first."
 )
-CROSSES: Final = "The outline crosses another detail. Move it, or delete the other one."
+CROSSES: Final = (
+    "The outline crosses another detail: only cuts and splits may. Draw it inside the other one or "
+    "beside it."
+)
 TURNED: Final = (
     "The surface turns away under the outline. Draw it smaller, or on the side that faces you."
 )
