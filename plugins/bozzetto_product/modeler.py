@@ -40,7 +40,7 @@ from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.rough_shapes import DRAWN_ON, FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.pieces import without_idle_joints
-from bozzetto_product.operations.refillet import rounded_anew
+from bozzetto_product.operations.rounded_corners import rounded_anew
 from bozzetto_product.report import FIGURES, cautions_of, report_of
 from bozzetto_product.solve.found_patches import with_patches_found, without_patches
 from bozzetto_product.solve.result import ProductResult

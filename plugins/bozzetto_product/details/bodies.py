@@ -18,13 +18,13 @@ from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
 from bozzetto_product.details.emblem_places import LOST, emblem_outlines
+from bozzetto_product.details.floor_places import LaidFloor, on_floors
 from bozzetto_product.details.ground import (
     FollowedOutline,
     Ground,
     followed_outline,
     kept_places,
 )
-from bozzetto_product.details.laid_floors import LaidFloor, on_floors
 from bozzetto_product.details.region import faces_over
 from bozzetto_product.details.ring import Ring, ring_through
 from bozzetto_product.details.shell import Owner, Shell

@@ -23,7 +23,7 @@ from bozzetto_product.details.course import (
     course_of,
 )
 from bozzetto_product.details.floor import Offset, offset_of
-from bozzetto_product.details.laid_floors import LaidFloor
+from bozzetto_product.details.floor_places import LaidFloor
 from bozzetto_product.details.levels import Level, floor_level, inset_points
 from bozzetto_product.details.region import (
     CutShell,

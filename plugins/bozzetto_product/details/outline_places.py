@@ -22,8 +22,8 @@ from bozzetto.ink import (
 )
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
+from bozzetto_product.details.floor_places import LaidFloor, without_floors
 from bozzetto_product.details.ground import Ground, kept_places, located
-from bozzetto_product.details.laid_floors import LaidFloor, without_floors
 from bozzetto_product.details.shell import Shell, face_meshes
 from bozzetto_product.model.details import OutlinePlaces
 

@@ -14,7 +14,7 @@ from bozzetto.scene import Layer, Scene, cast_rays
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.corners import CORNER, Corner, corners_of
 from bozzetto_product.operations.meetings import splines_of
-from bozzetto_product.operations.refillet import rounded_corner
+from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.projection.views import pixel_size
 from bozzetto_product.tools.move import dragged_to
 from bozzetto_product.tools.product_tool import (

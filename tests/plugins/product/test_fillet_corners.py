@@ -27,7 +27,7 @@ from bozzetto_product.operations.corners import Corner, corners_of
 from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
 from bozzetto_product.operations.pieces import split_curve
-from bozzetto_product.operations.refillet import rounded_corner
+from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.fillet import Fillet
