@@ -24,6 +24,9 @@ from bozzetto_product.details.shell import Owner, Shell
 SAME_BREAK: Final = 1e-6
 """Least difference of parameters between ends of edges of an outline."""
 
+BESIDE: Final = 1e-11
+"""Share of the range of u or v by which an edge may end beside the edge that it crosses."""
+
 
 @dataclass(frozen=True, eq=False)
 class OutlineEdge:
@@ -132,8 +135,44 @@ def outline_edges(
             middle = 0.5 * (start + end)
             over = shell.faces[_at(course, middle)].surface
             under = shell.faces[_at(far[number], middle)].surface if far else None
-            made.append(_edge(chart, ring, number, start, end, over, level, under, shell.size))
+            edge = _edge(chart, ring, number, start, end, over, level, under, shell.size)
+            top = _met(shell, course, start, end, edge.top)
+            bottom = edge.bottom
+            if far and bottom is not None:
+                bottom = _met(shell, far[number], start, end, bottom)
+            if top is not edge.top or bottom is not edge.bottom:
+                edge = replace(edge, top=top, bottom=bottom)
+            made.append(edge)
     return tuple(made)
+
+
+def _met(
+    shell: Shell, course: Sequence[Passage], start: float, end: float, fitted: FittedEdge
+) -> FittedEdge:
+    """Return an edge that begins and ends in the very places of the edges that it crosses.
+
+    Edges of details are fitted: their images in faces are beside them by up to `EXACT`, and faces
+    ask for less between sides that follow one another.
+    """
+    for passage in course:
+        for crossing, at, row in ((passage.entry, start, 0), (passage.leave, end, -1)):
+            if crossing is None or abs(crossing.t - at) > SAME_BREAK:
+                continue
+            trim = next(t for n, t in shell.users[crossing.edge] if n == passage.face)
+            place = np.array([crossing.at])
+            path, point = trim.curve.value(place)[0], shell.edges[crossing.edge].value(place)[0]
+            off = np.abs(fitted.path.control_points[row] - path)
+            if (off > BESIDE * np.ptp(shell.faces[passage.face].surface.ranges, axis=1)).any():
+                paths, points = (
+                    fitted.path.control_points.copy(),
+                    fitted.curve.control_points.copy(),
+                )
+                paths[row], points[row] = path, point
+                fitted = FittedEdge(
+                    replace(fitted.curve, control_points=points),
+                    replace(fitted.path, control_points=paths),
+                )
+    return fitted
 
 
 def _merged(places: Sequence[float]) -> list[float]:

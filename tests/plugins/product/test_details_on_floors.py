@@ -215,3 +215,34 @@ def test_on_a_ball_a_boss_stands_on_the_floor_of_a_mirrored_pocket(
         nodes=tuple(replace(n, mirrored=True) if isinstance(n, Detail) else n for n in state.nodes),
     )
     assert problems(solved_state(mirrored)) == [""] * 4
+
+
+def over_a_rim(seed: int) -> tuple[list[str], Solid, str]:
+    """A cut or a split about a place of the rim of a pocket, all sizes at random."""
+    rng = np.random.default_rng(seed)
+    radius, turn, size = rng.uniform(10.0, 20.0), rng.uniform(0.0, 6.28), rng.uniform(2.0, 7.0)
+    x, y = 45.0 + radius * np.cos(turn), 30.0 + radius * np.sin(turn)
+    turns = rng.uniform(0.0, 6.28) + np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    wave = size * (1.0 + 0.1 * np.cos(3.0 * turns + rng.uniform(0.0, 6.28)))
+    rows = (x + wave * np.cos(turns), y + wave * np.sin(turns), np.full(len(turns), 40.0))
+    kind = str(rng.choice(["cut", "split"]))
+    pocket = {
+        "kind": str(rng.choice(["in", "raised"])),
+        "depth": float(rng.uniform(1.0, 6.0)),
+        "draft": float(rng.uniform(2.0, 12.0)),
+        "outlines": [disc(float(radius), x=45.0)],
+    }
+    over = {"kind": kind, "draft": float(rng.uniform(0.0, 3.0))}
+    result, solid = solved(pocket, {**over, "outlines": [np.column_stack(rows).tolist()]})
+    return problems(result), solid, kind
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(91_000, 91_016))
+def test_cuts_over_rims_anywhere_are_closed_bodies(seed: int) -> None:
+    said, solid, kind = over_a_rim(seed)
+    assert said == ["", ""]
+    assert solid.exact is not None
+    assert solid.exact.is_closed
+    assert solid.exact.largest_gap() <= solid.exact.tolerance
+    assert manifold(solid.mesh).genus() == (1 if kind == "cut" else 0)
