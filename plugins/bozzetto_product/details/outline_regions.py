@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from bozzetto_product.model.details import Detail, OutlinePlaces
 from bozzetto_product.model.emblems import Emblem, FlatOutlines
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.network.reflection import Reflection
+
+if TYPE_CHECKING:
+    import shapely
 
 FLOORED: Final = ("in", "raised")
 """Kinds of details that move all that is inside."""
@@ -212,32 +215,82 @@ def _run(ring: Ring, *, leftward: bool) -> Ring:
 
 def enclosing_first(grounds: tuple[Ground, ...], details: Sequence[Detail]) -> list[Detail]:
     """Return details in the order in which they are carved: what encloses others before these."""
-    row: list[Detail] = []
-    for detail in details:
-        places = (k for k, other in enumerate(row) if _encloses(grounds, detail, other))
-        row.insert(next(places, len(row)), detail)
-    return row
+    return [details[number] for number in _order(grounds, tuple(details))]
 
 
-def _encloses(grounds: tuple[Ground, ...], outer: Detail, inner: Detail) -> bool:
-    """Whether a detail with a floor goes round all of another one."""
+def _kept(detail: Detail) -> tuple[object, ...]:
+    """Return what tells which details one encloses; its depth, draft and gap do not."""
+    own = (detail.flat, detail.height, detail.turn) if isinstance(detail, Emblem) else ()
+    return detail.places, detail.kind in FLOORED, detail.closed, own
+
+
+@remembered(
+    limit=8,
+    key=lambda grounds, details: (
+        tuple(map(_kept, details)),
+        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
+    ),
+)
+def _order(grounds: tuple[Ground, ...], details: tuple[Detail, ...]) -> tuple[int, ...]:
+    extents = [_extent(grounds, detail) for detail in details]
+    row: list[int] = []
+    for number, outer in enumerate(extents):
+        places = (k for k, other in enumerate(row) if _encloses(outer, extents[other]))
+        row.insert(next(places, len(row)), number)
+    return tuple(row)
+
+
+@dataclass(frozen=True, eq=False)
+class _Extent:
+    """The places of a detail's outlines, and where it is with a floor the areas inside.
+
+    Parameters
+    ----------
+    followed : FollowedOutline
+    chart : Chart, optional
+        None without areas.
+    areas : tuple of Polygon
+        In the chart.
+    """
+
+    followed: FollowedOutline
+    chart: Chart | None = None
+    areas: tuple[shapely.Polygon, ...] = ()
+
+
+def _extent(grounds: tuple[Ground, ...], detail: Detail) -> _Extent | None:
+    """Return where a detail is; None where it has no outline."""
     import shapely
 
-    if outer.kind not in FLOORED or not outer.closed or None in (outer.places, inner.places):
-        return False
+    if detail.places is None:
+        return None
     try:
-        around, within = (outline_of(detail, grounds) for detail in (outer, inner))
+        places = outline_of(detail, grounds)
     except UserError:
-        return False
-    followed, own = (followed_places(grounds, places, None) for places in (around, within))
-    if followed is None or own is None:
-        return False
-    laid = laid_outlines(followed, (), around, True)
-    if laid.chart is None or (own.normals @ laid.chart.normal <= 0.0).any():
-        return False
-    flat = laid.chart.flat(own.points)
-    areas = (
+        return None
+    followed = followed_places(grounds, places, None)
+    if followed is None or detail.kind not in FLOORED or not detail.closed:
+        return None if followed is None else _Extent(followed)
+    laid = laid_outlines(followed, (), places, True)
+    areas = tuple(
         shapely.Polygon(rings[0].polyline[:-1], [ring.polyline[:-1] for ring in rings[1:]])
         for rings in laid.regions
     )
-    return any(bool(shapely.contains_xy(area, *flat.T).all()) for area in areas)
+    shapely.prepare(areas)
+    return _Extent(followed, laid.chart, areas)
+
+
+def _encloses(outer: _Extent | None, inner: _Extent | None) -> bool:
+    """Whether a detail with a floor goes round all of another one."""
+    import shapely
+
+    if outer is None or inner is None or outer.chart is None:
+        return False
+    points, normals = inner.followed.points, inner.followed.normals
+    if (normals @ outer.chart.normal <= 0.0).any():
+        return False
+    flat = outer.chart.flat(points)
+    return any(
+        bool(shapely.contains_xy(area, *flat[0])) and bool(shapely.contains_xy(area, *flat.T).all())
+        for area in outer.areas
+    )

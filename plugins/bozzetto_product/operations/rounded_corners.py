@@ -83,12 +83,12 @@ def rounded_anew(state: ProductState, arc: Arc, radius: float) -> ProductState:
     boundaries = dict(record.boundaries)
     nodes: list[Any] = []
     for node in state.nodes:
-        if node.id in courses:
+        if isinstance(node, Curve) and node.id in courses:
             was = courses[node.id]
-            node = replace(node, spline=was.spline, laid=was.laid, stretches=was.stretches)
-        elif node.id in boundaries:
-            node = replace(node, boundary=boundaries[node.id])
-        if node.id != arc.id:
+            nodes.append(replace(node, spline=was.spline, laid=was.laid, stretches=was.stretches))
+        elif isinstance(node, Patch) and node.id in boundaries:
+            nodes.append(replace(node, boundary=boundaries[node.id]))
+        elif node.id != arc.id:
             nodes.append(node)
     told = {*record.added, *(one.id for one in record.joints)}
     kept = tuple(one for one in state.joints if one.id not in told)
