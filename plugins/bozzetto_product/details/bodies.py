@@ -195,8 +195,8 @@ def _with_detail(
     if followed is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)
         return replace(made, details=(*made.details, row))
-    *_, under = on_floors(made.floors, followed.points, followed.normals, places.starts.tolist())
-    laid = laid_outlines(followed, under, places, detail.closed)
+    *_, lower = on_floors(made.floors, followed.points, followed.normals, places.starts.tolist())
+    laid = laid_outlines(followed, lower, places, detail.closed)
     told = ASIDE if laid.lost else ""
     if isinstance(detail, Emblem) and detail.flat is not None and detail.flat.missing:
         told = f"there are no letters for “{detail.flat.missing}”; it is written without."

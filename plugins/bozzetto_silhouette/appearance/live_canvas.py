@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Mesh
@@ -53,8 +54,8 @@ class Unpainted(NamedTuple):
     seen: tuple[Array, Array]
     under: Coat
     paint: Coat
-    colors: Array
-    cover: Array
+    colors: NDArray[np.uint8]
+    cover: NDArray[np.uint8]
     boxes: Array
     lengths: Array
     step: float
