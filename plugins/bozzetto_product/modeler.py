@@ -31,6 +31,7 @@ from bozzetto_product.commands.rough_commands import begun_on_box
 from bozzetto_product.hand_over.imported import product_of_network, product_of_shapes
 from bozzetto_product.hand_over.shapes import curves_of, shapes_of
 from bozzetto_product.hand_over.template_facts import with_template
+from bozzetto_product.model.arcs import Arc
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.emblems import Emblem
@@ -39,6 +40,7 @@ from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.rough_shapes import DRAWN_ON, FollowedShape, RoughShape
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.pieces import without_idle_joints
+from bozzetto_product.operations.rounded_corners import rounded_anew
 from bozzetto_product.report import FIGURES, cautions_of, report_of
 from bozzetto_product.solve.found_patches import with_patches_found, without_patches
 from bozzetto_product.solve.result import ProductResult
@@ -61,7 +63,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
     id = "bozzetto.product"
     state_type = ProductState
     state_version = 2
-    part_types = (Curve, Patch, Detail, Emblem, RoughShape, FollowedShape, CurveGroup)
+    part_types = (Curve, Arc, Patch, Detail, Emblem, RoughShape, FollowedShape, CurveGroup)
     first_parameters = ("mirror",)
     figures = FIGURES
 
@@ -206,9 +208,19 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
     ) -> ProductState:
         """Return the state with other parts; loops are found again where curves went or came.
 
-        A surface that is deleted is switched off, and not found again.
+        A surface that is deleted is switched off, and not found again. A corner of which the radius
+        was changed is rounded anew.
+
+        Raises
+        ------
+        UserError
+            If that cannot be, because curves there were changed since, or it is too large.
         """
         after = replace(state, nodes=nodes, selected=selected)
+        arcs = {arc.id: arc for arc in state.of_kind(Arc)}
+        for arc in after.of_kind(Arc):
+            if arc.id in arcs and arc.radius != arcs[arc.id].radius:
+                after = rounded_anew(after, arc, arc.radius)
         ids = {node.id for node in nodes}
         gone = [patch for patch in state.of_kind(Patch) if patch.id not in ids]
         before = {curve.id for curve in state.of_kind(Curve)}

@@ -57,6 +57,7 @@ from bozzetto_silhouette.solids.placements import carried, outlined_parts, place
 from bozzetto_silhouette.tools import all_tools
 from bozzetto_silhouette.tools.animate import motion_commands
 from bozzetto_silhouette.tools.attachment import ATTACH, offers_to_attach
+from bozzetto_silhouette.tools.brush import brush_commands
 from bozzetto_silhouette.tools.draw_outline import DrawOutline
 from bozzetto_silhouette.tools.hole_filling import FILL
 from bozzetto_silhouette.view.handles import handles_layer
@@ -113,7 +114,7 @@ class Silhouette(PartsModeler[SilhouetteState, SilhouetteResult]):
     @override
     def commands(self) -> Sequence[Command]:
         """Return what is done to the chosen part, and to the motion, most used first."""
-        return (ATTACH, FILL, *motion_commands())
+        return (ATTACH, FILL, *brush_commands(), *motion_commands())
 
     @override
     def next_step(self, state: SilhouetteState, tool: Tool[SilhouetteState]) -> NextStep:

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 from PySide6 import QtWidgets
 
+from bozzetto_app.dialogs.seconds_dialog import SecondsDialog
 from bozzetto_app.i18n import tr
-from bozzetto_app.session.films import LONGEST_FILM
 
 __all__ = ["TurntableDialog"]
 
 
-class TurntableDialog(QtWidgets.QDialog):
+class TurntableDialog(SecondsDialog):
     """Asks how a turntable is made.
 
     Parameters
@@ -23,27 +23,12 @@ class TurntableDialog(QtWidgets.QDialog):
     """
 
     def __init__(self, then: Callable[[float, bool], None], parent: QtWidgets.QWidget) -> None:
-        super().__init__(parent)
-        self.setObjectName("turntable")
-        self.setWindowTitle(tr("Files", "Turntable"))
-        self.seconds = QtWidgets.QDoubleSpinBox()
-        self.seconds.setRange(0.2, LONGEST_FILM)
-        self.seconds.setDecimals(1)
-        self.seconds.setValue(4.0)
-        self.seconds.setSuffix(" s")
+        super().__init__("turntable", tr("Files", "Turntable"), parent)
         self.from_sketch = QtWidgets.QCheckBox(tr("Files", "&Begin with the sketch"))
         self.from_sketch.setToolTip(
             tr("Files", "The sketch is drawn again, and what it became turns from there.")
         )
         form = QtWidgets.QFormLayout()
         form.addRow(tr("Files", "One &turn takes"), self.seconds)
-        standard = QtWidgets.QDialogButtonBox.StandardButton
-        buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
-        layout = QtWidgets.QVBoxLayout(self)
-        layout.addLayout(form)
-        layout.addWidget(self.from_sketch)
-        layout.addWidget(buttons)
+        self.lay_out(form, self.from_sketch)
         self.accepted.connect(lambda: then(self.seconds.value(), self.from_sketch.isChecked()))
-        self.finished.connect(self.deleteLater)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bozzetto.arrays import cross_product
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.resample import arc_length
 from bozzetto.ink.same_view import is_one_view, on_canvas
@@ -21,6 +22,7 @@ from bozzetto.scene.palette import LIGHT, Palette
 from bozzetto.scene.renderer import Shading, render
 from bozzetto.scene.snapshot import framed, without_handles
 from bozzetto.scene.thickness_view import thickness_view
+from bozzetto.view.camera import Camera
 from bozzetto.view.navigation import fit_points
 from bozzetto.view.page_views import MARGIN, framing
 from bozzetto.view.rotations import triple
@@ -28,7 +30,6 @@ from bozzetto.view.rotations import triple
 if TYPE_CHECKING:
     from bozzetto.arrays import Array
     from bozzetto.ink.stroke import Stroke
-    from bozzetto.view.camera import Camera
 
 MOST_PICTURES: Final = 720
 """Pictures of one turn: two for each degree."""
@@ -79,16 +80,10 @@ def turned_pictures(
     UserError
         If there are too many pictures, or the view has no such name.
     """
-    if not 1 <= count <= MOST_PICTURES:
-        raise UserError(f"A turntable has 1 to {MOST_PICTURES} pictures.")
+    _check_counts(count)
     scene = without_handles(scene)
-    points = np.asarray(scene.points(), float)
-    if not len(points):
-        camera, middle = framed(scene, view, size), np.zeros(3)
-    else:
-        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        page = (float(max(size[0], 1)), float(max(size[1], 1)))
-        camera = framing(_cylinder(points, middle), view, page)
+    middle, around = _cylinder_around(scene)
+    camera = framing(around, view, _page(size)) if len(around) else framed(scene, view, size)
     if shading == "thickness":
         scene = thickness_view(scene, palette).scene
     for number in range(count):
@@ -130,13 +125,10 @@ def pictures_from_sketch(
     UserError
         If there are too many pictures, or there is nothing of a sketch.
     """
-    if not 1 <= count <= MOST_PICTURES or not 2 <= lead <= MOST_PICTURES:
-        raise UserError(f"A turntable has 1 to {MOST_PICTURES} pictures.")
+    _check_counts(count, lead)
     scene = without_handles(scene)
-    page = (float(max(size[0], 1)), float(max(size[1], 1)))
     images = scene.of_kinds(Image)
-    seen = _view_of_sketch(strokes, camera, any(layer.items for layer in images.layers))
-    seen = seen.with_viewport(*page)
+    seen = _view_of_sketch(strokes, camera, images, _page(size))
     ink = [on_canvas(one, seen).points for one in strokes if is_one_view(one.camera, seen)]
     shapes = scene.of_kinds(Shaded, Lines, Points, Label)
     if shading == "thickness":
@@ -151,19 +143,35 @@ def pictures_from_sketch(
     for number in range(lead - drawn):
         share = _eased((number + 1) / (lead - drawn + 1))
         yield np.round(sketch + share * (shown.astype(float) - sketch)).astype(np.uint8)
-    points = np.asarray(shapes.points(), float)
-    middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) if len(points) else np.zeros(3)
-    wide = fit_points(_lowered(seen), _cylinder(points, middle), MARGIN) if len(points) else seen
+    middle, around = _cylinder_around(shapes)
+    wide = fit_points(_lowered(seen), around, MARGIN) if len(around) else seen
     for number in range(count):
         between = _between(seen, wide, _eased(min(1.0, number / (WIDENED * count))))
         view = turned(between, 2.0 * np.pi * number / count, middle)
         yield render(shapes, view, palette, size=size, shading=shading)
 
 
-def _view_of_sketch(strokes: Sequence[Stroke], own: Camera | None, has_images: bool) -> Camera:
-    """Return the view of a sketch: a person's own if something of it is there, or the fullest."""
-    if own is not None and (has_images or any(is_one_view(one.camera, own) for one in strokes)):
-        return own
+def _check_counts(count: int, lead: int = 2) -> None:
+    """Raise `UserError` if there are too many pictures of a turn, or before it, or too few."""
+    if not 1 <= count <= MOST_PICTURES or not 2 <= lead <= MOST_PICTURES:
+        raise UserError(f"A turntable has 1 to {MOST_PICTURES} pictures.")
+
+
+def _page(size: tuple[int, int]) -> tuple[float, float]:
+    return float(max(size[0], 1)), float(max(size[1], 1))
+
+
+def _view_of_sketch(
+    strokes: Sequence[Stroke], own: Camera | None, images: Scene, page: tuple[float, float]
+) -> Camera:
+    """Return the view of a sketch on a page.
+
+    It is a person's own if something of the sketch is there, or the one of most strokes, or else
+    that which faces its first picture.
+    """
+    placed = [item for _, item in images.items() if isinstance(item, Image)]
+    if own is not None and (placed or any(is_one_view(one.camera, own) for one in strokes)):
+        return own.with_viewport(*page)
     views: list[tuple[Camera, int]] = []
     for stroke in strokes:
         at = next((k for k, (one, _) in enumerate(views) if is_one_view(stroke.camera, one)), None)
@@ -171,12 +179,25 @@ def _view_of_sketch(strokes: Sequence[Stroke], own: Camera | None, has_images: b
             views.append((stroke.camera, 1))
         else:
             views[at] = views[at][0], views[at][1] + 1
-    if not views:
-        raise UserError(
-            "There is no sketch to begin with: nothing of it was drawn with a pen. Make the "
-            "turntable without it."
-        )
-    return max(views, key=lambda view: view[1])[0]
+    if views:
+        return max(views, key=lambda view: view[1])[0].with_viewport(*page)
+    if placed:
+        return _facing(placed[0], page)
+    raise UserError(
+        "There is no sketch to begin with: nothing of it was drawn with a pen, and no picture "
+        "lies below. Make the turntable without it."
+    )
+
+
+def _facing(image: Image, page: tuple[float, float]) -> Camera:
+    """Return a view that faces a picture and shows all of it."""
+    corner, across, down = (np.array(row) for row in (image.corner, image.across, image.down))
+    corners = corner + np.array([0.0 * across, across, down, across + down])
+    middle = corners.mean(axis=0)
+    camera = Camera(
+        eye=triple(middle - cross_product(across, down)), target=triple(middle), up=triple(-down)
+    )
+    return fit_points(camera.with_viewport(*page), corners, MARGIN)
 
 
 def _ink_layer(ink: Sequence[Array], camera: Camera, share: float) -> Layer:
@@ -249,11 +270,19 @@ def turned(camera: Camera, angle: float, middle: Array) -> Camera:
     )
 
 
-def _cylinder(points: Array, middle: Array) -> Array:
-    """Return points on the rims of the upright cylinder around some points."""
+def _cylinder_around(scene: Scene) -> tuple[Array, Array]:
+    """Return the middle of a scene, (3,), and points on the rims of the cylinder around it, (n, 3).
+
+    The cylinder is upright; of an empty scene there are no points.
+    """
+    points = np.asarray(scene.points(), float)
+    if not len(points):
+        return np.zeros(3), points.reshape(0, 3)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     radius = float(np.hypot(*(points[:, :2] - middle[:2]).T).max())
     angles = np.linspace(0.0, 2.0 * np.pi, RIM, endpoint=False)
     ring = middle[:2] + radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    return np.concatenate(
-        [np.column_stack([ring, np.full(RIM, z)]) for z in (points[:, 2].min(), points[:, 2].max())]
-    )
+    rims = [
+        np.column_stack([ring, np.full(RIM, z)]) for z in (points[:, 2].min(), points[:, 2].max())
+    ]
+    return middle, np.concatenate(rims)

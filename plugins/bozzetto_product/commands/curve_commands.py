@@ -24,10 +24,10 @@ from bozzetto_product.operations.curve_edits import (
     straighten,
 )
 from bozzetto_product.operations.drawing_plane import plane_of_places
-from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import is_end, splines_of
 from bozzetto_product.operations.offset import offset_curve
 from bozzetto_product.operations.pieces import delete_curves, join_curves, split_curve
+from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.operations.tangents import match_tangents
 from bozzetto_product.operations.trim import accept, trim
 from bozzetto_product.solve.found_patches import with_patches_found
@@ -199,7 +199,7 @@ def _filleted(state: ProductState, curve: Curve, context: Context) -> ProductSta
             "More than two curves end at this corner. Touch it between those that are meant, with "
             "the tool “Fillet”."
         )
-    return fillet(state, joint.id, curve.id, other.curve, state.rounding)[0]
+    return rounded_corner(state, joint.id, curve.id, other.curve, state.rounding)
 
 
 def _joined(state: ProductState, curve: Curve, context: Context) -> ProductState:

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index, cross_product
+from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.geometry import sewn
 from bozzetto.plugin import remembered
@@ -17,15 +17,23 @@ from bozzetto.view import Rays
 from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
-from bozzetto_product.details.emblem_places import LOST, emblem_outlines
-from bozzetto_product.details.ground import Ground, followed_outline, kept_places
+from bozzetto_product.details.emblem_places import LOST
+from bozzetto_product.details.floor_places import LaidFloor, on_floors
+from bozzetto_product.details.ground import (
+    Ground,
+)
+from bozzetto_product.details.outline_regions import (
+    enclosing_first,
+    followed_places,
+    laid_outlines,
+    outline_of,
+)
 from bozzetto_product.details.region import faces_over
-from bozzetto_product.details.ring import Ring, ring_through
+from bozzetto_product.details.ring import Ring
 from bozzetto_product.details.shell import Owner, Shell
-from bozzetto_product.model.details import Detail, OutlinePlaces
-from bozzetto_product.model.emblems import Emblem, FlatOutlines
+from bozzetto_product.model.details import Detail
+from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.planes import Plane
-from bozzetto_product.network.reflection import Reflection
 
 BEHIND: Final = 1e-4
 """Share of the size behind a surface from which on its far side is sought."""
@@ -37,6 +45,7 @@ LAYERS: Final = 4
 """Triangles in front of the far side that a ray may meet: those of the surface's own side, for
 triangles lie a little beside a surface."""
 
+
 OFF: Final = "The outline is on no surface. Draw it on a surface."
 UNDRAWN: Final = "it has no outline. Draw it with the tool “Detail”."
 ASIDE: Final = "a surface under it is gone; it lies on those beside it."
@@ -44,7 +53,6 @@ OPEN: Final = (
     "its outline is open, so it only splits the surface. Draw a closed round to press it in, "
     "raise it or cut it out."
 )
-EMPTY: Final = "its outline encloses no area, or crosses itself. Draw it again, as one round."
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +100,15 @@ class DetailedBodies:
         The same surfaces without details.
     grounds : tuple of Ground
         What they lie on.
+    floors : tuple of LaidFloor
+        Those of the details, as they were made.
     """
 
     shells: tuple[Shell, ...] = ()
     details: tuple[SolvedDetail, ...] = ()
     plain: tuple[Shell, ...] = ()
     grounds: tuple[Ground, ...] = ()
+    floors: tuple[LaidFloor, ...] = ()
 
     def number_of(self, detail: Detail, mirrored: bool) -> int:
         """Return the number of a detail, or of its mirror image."""
@@ -119,10 +130,11 @@ def detailed_bodies(
 ) -> DetailedBodies:
     """Return bodies with details carved in their order; a mirror image after its detail.
 
-    What cannot be carved is left as it is and told by its `SolvedDetail.problem`.
+    What has a floor comes before what it encloses, which then lies on that floor. What cannot be
+    carved is left as it is and told by its `SolvedDetail.problem`.
     """
     made = _plain_bodies(tuple(grounds))
-    for detail in details:
+    for detail in enclosing_first(tuple(grounds), details):
         for mirrored in (False, True) if detail.mirrored else (False,):
             checkpoint()
             made = _with_detail(made, tuple(grounds), detail, mirrored, symmetry)
@@ -179,17 +191,19 @@ def _with_detail(
     except UserError as error:
         row = SolvedDetail(detail, mirrored, problem=str(error))
         return replace(made, details=(*made.details, row))
-    laid = _laid(grounds, places, detail.closed, plane)
-    if laid is None:
+    followed = followed_places(grounds, places, plane)
+    if followed is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)
         return replace(made, details=(*made.details, row))
+    *_, lower = on_floors(made.floors, followed.points, followed.normals, places.starts.tolist())
+    laid = laid_outlines(followed, lower, places, detail.closed)
     told = ASIDE if laid.lost else ""
     if isinstance(detail, Emblem) and detail.flat is not None and detail.flat.missing:
         told = f"there are no letters for “{detail.flat.missing}”; it is written without."
     if not detail.closed and detail.kind != "split":
         told = OPEN
     solved = SolvedDetail(detail, mirrored, laid.outlines, laid.problem, told)
-    shells, deviation = list(made.shells), 0.0
+    shells, floors = list(made.shells), list[LaidFloor]()
     try:
         form = Form(detail.kind, detail.depth, float(np.radians(detail.draft)), detail.gap)
         for region in laid.regions:
@@ -204,166 +218,17 @@ def _with_detail(
                 done = carved(shells[which], chart, region, near, form, _thickness(grounds), number)
             else:
                 done = parted(shells[which], chart, region[0], near, number)
-            shells[which], deviation = done.shell, max(deviation, done.deviation)
+            shells[which] = done.shell
+            floors += () if done.floor is None else (done.floor,)
     except UserError as error:
         return replace(made, details=(*made.details, replace(solved, problem=str(error))))
-    row = replace(solved, deviation=deviation)
-    return replace(made, shells=tuple(shells), details=(*made.details, row))
-
-
-def outline_of(detail: Detail, grounds: tuple[Ground, ...]) -> OutlinePlaces:
-    """Return the places of a detail's outlines; those of an emblem are laid on the surfaces.
-
-    Raises
-    ------
-    UserError
-        If an emblem has no outlines, or they are beside the surfaces.
-    """
-    assert detail.places is not None
-    if not isinstance(detail, Emblem):
-        return detail.places
-    assert detail.flat is not None or not detail.text
-    return _emblem_places(detail.places, detail.flat, detail.height, detail.turn, grounds)
-
-
-@remembered(
-    limit=64,
-    key=lambda places, flat, height, turn, grounds: (
-        places,
-        flat,
-        height,
-        turn,
-        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
-    ),
-)
-def _emblem_places(
-    places: OutlinePlaces,
-    flat: FlatOutlines | None,
-    height: float,
-    turn: float,
-    grounds: tuple[Ground, ...],
-) -> OutlinePlaces:
-    text = "" if flat is None else flat.text
-    emblem = Emblem(places=places, flat=flat, height=height, turn=turn, text=text)
-    rows = emblem_outlines(emblem, grounds)
-    assert flat is not None
-    return kept_places(grounds, np.concatenate(rows), flat.corners > 0, flat.starts.tolist())
-
-
-@dataclass(frozen=True, eq=False)
-class _Laid:
-    """Outlines on the surfaces as they are now.
-
-    Parameters
-    ----------
-    outlines : tuple of (n, 3) float
-        Polylines, mm.
-    lost : tuple of str
-        Ids of patches that are gone.
-    problem : str
-        Why there are no regions, for a person.
-    chart : Chart, optional
-        None with a problem, as is `near`.
-    near : callable, optional
-        See `Near`.
-    regions : tuple of tuple of Ring
-        The outline round each region, and those of holes in it; of an open outline itself.
-    """
-
-    outlines: tuple[Array, ...]
-    lost: tuple[str, ...]
-    problem: str = ""
-    chart: Chart | None = None
-    near: Near | None = None
-    regions: tuple[tuple[Ring, ...], ...] = ()
-
-
-@remembered(
-    limit=128,
-    key=lambda grounds, places, closed, plane: (
-        places,
-        closed,
-        plane,
-        tuple((g.patch, g.mirrored, g.fill.key) for g in grounds),
-    ),
-)
-def _laid(
-    grounds: tuple[Ground, ...], places: OutlinePlaces, closed: bool, plane: Plane | None
-) -> _Laid | None:
-    """Return where outlines are now, or their mirror images; None where their surfaces are gone."""
-    followed = followed_outline(grounds, places)
-    if followed is None:
-        return None
-    points, normals = followed.points, followed.normals
-    if plane is not None:
-        mirror = Reflection(plane)
-        points = mirror.points(points)
-        normals = normals - 2.0 * (normals @ mirror.normal)[:, None] * mirror.normal
-    pieces = np.split(np.arange(len(points)), places.starts[1:].tolist())
-    outlines = tuple(
-        np.vstack((points[rows], points[rows[:1]])) if closed else points[rows] for rows in pieces
+    row = replace(solved, deviation=max((f.floor.deviation for f in floors), default=0.0))
+    return replace(
+        made,
+        shells=tuple(shells),
+        details=(*made.details, row),
+        floors=(*made.floors, *floors),
     )
-    corners = places.corners > 0
-    try:
-        chart = Chart.facing(points, normals)
-        if closed:
-            regions = _regions(chart, points, corners, pieces)
-        else:
-            regions = [[ring_through(chart.flat(points), corners, closed=False)]]
-    except UserError as error:
-        return _Laid(outlines, followed.lost, str(error))
-    near = _nearest_of(chart, points)
-    return _Laid(outlines, followed.lost, "", chart, near, tuple(map(tuple, regions)))
-
-
-def _nearest_of(chart: Chart, points: Array) -> Near:
-    """Return what gives for a place of the chart the point of the outlines nearest to it."""
-    flat = chart.flat(points)
-    return lambda place: points[int(np.argmin(((flat - place) ** 2).sum(axis=1)))]
-
-
-def _regions(
-    chart: Chart, points: Array, corners: Flags, pieces: Sequence[Index]
-) -> list[list[Ring]]:
-    """Return outlines as regions: each the outline round it, and those of holes in it.
-
-    An outline inside an odd number of others is a hole.
-
-    Raises
-    ------
-    UserError
-        If an outline encloses no area, or outlines cross.
-    """
-    import shapely
-
-    flat = chart.flat(points)
-    rings = [ring_through(flat[rows], corners[rows]) for rows in pieces]
-    polygons = [shapely.Polygon(ring.polyline[:-1]) for ring in rings]
-    if any(not polygon.is_valid or not polygon.area > 0.0 for polygon in polygons):
-        raise UserError(EMPTY)
-    around = [
-        [k for k, other in enumerate(polygons) if k != number and other.contains(polygon)]
-        for number, polygon in enumerate(polygons)
-    ]
-    regions: dict[int, list[Ring]] = {}
-    for number, ring in enumerate(rings):
-        if len(around[number]) % 2 == 0:
-            regions[number] = [_run(ring, leftward=True)]
-    for number, ring in enumerate(rings):
-        if len(around[number]) % 2:
-            home = max(around[number], key=lambda k: len(around[k]))
-            regions[home].append(_run(ring, leftward=False))
-    for region in regions.values():
-        rows = [ring.polyline[:-1] for ring in region]
-        if not shapely.Polygon(rows[0], rows[1:]).is_valid:
-            raise UserError(EMPTY)
-    return list(regions.values())
-
-
-def _run(ring: Ring, *, leftward: bool) -> Ring:
-    import shapely
-
-    return ring if shapely.LinearRing(ring.polyline[:-1]).is_ccw == leftward else ring.reversed()
 
 
 def _shell_under(shells: Sequence[Shell], chart: Chart, ring: Ring, near: Near) -> int:

@@ -23,6 +23,7 @@ from bozzetto_product.details.course import (
     course_of,
 )
 from bozzetto_product.details.floor import Offset, offset_of
+from bozzetto_product.details.floor_places import LaidFloor
 from bozzetto_product.details.levels import Level, floor_level, inset_points
 from bozzetto_product.details.region import (
     CutShell,
@@ -102,12 +103,12 @@ class Carved:
     Parameters
     ----------
     shell : Shell
-    deviation : float
-        Largest distance of its floor from the true offset, mm.
+    floor : LaidFloor, optional
+        What its walls end in, if that is a floor.
     """
 
     shell: Shell
-    deviation: float = 0.0
+    floor: LaidFloor | None = None
 
 
 def carved(
@@ -230,10 +231,15 @@ def _carved(
         inside = cut.inside
         return Carved(_owned(cut.shell, inside, number) if form.kind == "split" else _opened(cut))
     made = with_walls(cut, edges, plan.level.floor, owner)
+    floor = plan.level.floor
+    laid = None
+    if floor is not None:
+        height = form.depth if form.kind == "raised" else -form.depth
+        laid = LaidFloor(chart, floor, made.faces[-1], height, plan.offset)
     if form.kind == "button":
         within = {cut.tops[k] for k, edge in enumerate(edges) if edge.ring >= len(rings)}
         made = _owned(made, flooded(made, within), number)
-    return Carved(made, 0.0 if plan.level.floor is None else plan.level.floor.deviation)
+    return Carved(made, laid)
 
 
 def _first_faces(shell: Shell, chart: Chart, rings: Sequence[Ring], near: Near) -> list[int]:
@@ -299,9 +305,9 @@ def _planned(
 
 
 def _owned(shell: Shell, faces: Collection[int], number: int) -> Shell:
-    """Return the shell with pieces of patches coloured by a detail."""
+    """Return the shell with faces coloured by a detail, but for walls."""
     owners = [
-        replace(owner, detail=number) if k in faces and not owner.made else owner
+        replace(owner, detail=number) if k in faces and not owner.is_wall else owner
         for k, owner in enumerate(shell.owners)
     ]
     return replace(shell, owners=tuple(owners))

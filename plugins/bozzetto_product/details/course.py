@@ -89,7 +89,10 @@ CREASED: Final = (
     "The outline crosses an edge that is a crease: only cuts and splits may. Draw it on one smooth "
     "surface, or make the edge smooth first."
 )
-CROSSES: Final = "The outline crosses another detail. Move it, or delete the other one."
+CROSSES: Final = (
+    "The outline crosses another detail: only cuts and splits may. Draw it inside the other one or "
+    "beside it."
+)
 TURNED: Final = (
     "The surface turns away under the outline. Draw it smaller, or on the side that faces you."
 )
@@ -126,7 +129,7 @@ def course_of(
     start : float
         Where it begins: 0 where it is closed. An open one ends at a rim or a crease.
     creased : bool
-        Whether a closed one may cross creases.
+        Whether a closed one may cross creases, and walls of details.
 
     Raises
     ------
@@ -170,8 +173,10 @@ def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool, creased: 
         return -1
     own = next(trim for number, trim in users if number == face)
     number, trim = others[0]
-    if shell.owners[number].made or shell.owners[face].made:
-        raise UserError(CROSSES)
+    if not creased and (shell.owners[number].is_wall or shell.owners[face].is_wall):
+        if closed:
+            raise UserError(CROSSES)
+        return -1
     at = np.array([crossing.at])
     one = shell.faces[face].surface.normals(*own.curve.value(at).T)[0]
     two = shell.faces[number].surface.normals(*trim.curve.value(at).T)[0]
@@ -324,11 +329,11 @@ def _turned(passage: Passage, end: float) -> Passage:
 
 
 def _is_border(shell: Shell, crossing: Crossing | None) -> bool:
-    """Whether an edge that is crossed is on the border of a patch."""
+    """Whether an edge that is crossed is on the border of a patch, or of a floor."""
     if crossing is None:
         return False
-    owners = {shell.owners[face].patch for face, _ in shell.users[crossing.edge]}
-    return len(owners) > 1 or len(shell.users[crossing.edge]) == 1
+    owners = [shell.owners[face] for face, _ in shell.users[crossing.edge]]
+    return len(owners) == 1 or not owners[0].is_of_one_area(owners[1])
 
 
 def _nearest(ring: Ring, places: list[int], at: list[float], end: float) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, cross_product
 from bozzetto.errors import UserError
-from bozzetto.geometry import Spline
+from bozzetto.geometry import Mesh, Spline
 from bozzetto.ink import (
     Stroke,
     close_stroke,
@@ -22,7 +22,9 @@ from bozzetto.ink import (
 )
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera, Rays
+from bozzetto_product.details.floor_places import LaidFloor, without_floors
 from bozzetto_product.details.ground import Ground, kept_places, located
+from bozzetto_product.details.shell import Shell, face_meshes
 from bozzetto_product.model.details import OutlinePlaces
 
 CONTROLS: Final = (6, 8, 12, 18, 26, 40)
@@ -66,16 +68,25 @@ NO_SURFACE: Final = (
 
 
 def places_of_ink(
-    strokes: Sequence[Stroke], grounds: Sequence[Ground]
+    strokes: Sequence[Stroke],
+    grounds: Sequence[Ground],
+    shells: Sequence[Shell] = (),
+    floors: Sequence[LaidFloor] = (),
 ) -> tuple[OutlinePlaces, bool]:
     """Return where ink lies on surfaces, and whether it is closed.
+
+    Ink on a floor is kept where that is the offset of the surface.
 
     Parameters
     ----------
     strokes : sequence of Stroke
         In one view; over one another they are one outline.
     grounds : sequence of Ground
-        What is seen.
+        The surfaces without details.
+    shells : sequence of Shell
+        The same with details, which are seen.
+    floors : sequence of LaidFloor
+        Those of the details.
 
     Raises
     ------
@@ -91,7 +102,7 @@ def places_of_ink(
         raise UserError(MIXED)
     for points, _ in lines:
         pixels, marks = smoothed(points, closed=closed)
-        rows.append(_under(pixels, strokes[0].camera, grounds))
+        rows.append(seen_places(pixels, strokes[0].camera, grounds, shells, floors))
         corners.append(marks)
     starts = np.cumsum([0, *(len(row) for row in rows[:-1])]).tolist()
     return kept_places(grounds, np.concatenate(rows), np.concatenate(corners), starts), closed
@@ -239,13 +250,53 @@ def _turns(even: Array, reach: int, *, closed: bool) -> Array:
     return np.asarray(np.abs(np.arctan2(cross, (into * out).sum(axis=1))))
 
 
-def _under(pixels: Array, camera: Camera, grounds: Sequence[Ground]) -> Array:
-    """Return the points of surfaces that are seen at places of the sheet, (n, 3) mm."""
-    scene = Scene((Layer("surfaces", tuple(Shaded(g.fill.mesh) for g in grounds)),))
-    hits = cast_rays(scene, camera.rays(pixels))
-    if not hits.hit.all():
-        raise UserError(BESIDE)
-    return np.asarray(hits.points, float)
+def seen_places(
+    pixels: Array,
+    camera: Camera,
+    grounds: Sequence[Ground],
+    shells: Sequence[Shell] = (),
+    floors: Sequence[LaidFloor] = (),
+    beside: str = BESIDE,
+) -> Array:
+    """Return the places of surfaces without details at pixels, (n, 3) mm.
+
+    Where a floor is seen it is the place that the floor is the offset of.
+
+    Parameters
+    ----------
+    pixels : (n, 2) float
+        px.
+    camera : Camera
+        Of the sheet.
+    grounds, shells, floors : sequence of Ground, Shell, LaidFloor
+        See `places_of_ink`.
+    beside : str
+        What to say where there is no surface.
+
+    Raises
+    ------
+    UserError
+        If there is no surface at a pixel.
+    """
+    rays = camera.rays(pixels)
+    hits = cast_rays(_scene_of([ground.fill.mesh for ground in grounds]), rays)
+    points = np.array(hits.points, float)
+    there = np.array(hits.hit)
+    if floors:
+        meshes = [mesh for shell in shells for mesh in face_meshes(shell)]
+        owners = [owner for shell in shells for owner in shell.owners]
+        seen = cast_rays(_scene_of(meshes), rays)
+        for number, surface in enumerate(seen.surfaces):
+            if owners[surface.number].floor is not None:
+                rows = seen.hit & (seen.on == number)
+                points[rows], there[rows] = seen.points[rows], True
+    if not there.all():
+        raise UserError(beside)
+    return without_floors(floors, points)
+
+
+def _scene_of(meshes: Sequence[Mesh]) -> Scene:
+    return Scene((Layer("surfaces", tuple(map(Shaded, meshes))),))
 
 
 def places_of_points(
@@ -329,7 +380,7 @@ def laid_flat(
     scale = width / float(high[0] - low[0])
     flat = scale * (every - 0.5 * (low + high))
     points = middle + flat[:, :1] * x + flat[:, 1:] * y
-    scene = Scene((Layer("surfaces", tuple(Shaded(g.fill.mesh) for g in grounds)),))
+    scene = _scene_of([ground.fill.mesh for ground in grounds])
     start = points + 0.5 * width * normal
     hits = cast_rays(scene, Rays(start, np.broadcast_to(-normal, points.shape)))
     if not hits.hit.all():

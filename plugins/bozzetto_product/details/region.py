@@ -14,7 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import BSplineSurface, Face, ParameterCurve, Trim
 from bozzetto.plugin import remembered
 from bozzetto_product.details.chart import Chart, parameters_at
-from bozzetto_product.details.course import CREASE, CREASED, SHORT, TURNED, Passage
+from bozzetto_product.details.course import CREASE, CREASED, CROSSES, SHORT, TURNED, Passage
 from bozzetto_product.details.face_cuts import Chord, cut_face, ring_of
 from bozzetto_product.details.joint_edges import FittedEdge, Track, fitted_edges
 from bozzetto_product.details.levels import Level, track_on_floor
@@ -23,6 +23,9 @@ from bozzetto_product.details.shell import Owner, Shell
 
 SAME_BREAK: Final = 1e-6
 """Least difference of parameters between ends of edges of an outline."""
+
+BESIDE: Final = 1e-11
+"""Share of the range of u or v by which an edge may end beside the edge that it crosses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +40,7 @@ class OutlineEdge:
 
 
 def first_face(shell: Shell, chart: Chart, place: Array, near: Array, outward: float) -> int:
-    """Return the face of a patch over a place of the chart that is nearest to a point.
+    """Return the face over a place of the chart that is nearest to a point.
 
     Raises
     ------
@@ -55,12 +58,12 @@ def first_face(shell: Shell, chart: Chart, place: Array, near: Array, outward: f
 
 
 def faces_over(shell: Shell, chart: Chart, place: Array, outward: float) -> list[tuple[int, Array]]:
-    """Return faces of patches over a place of the chart, with the point in space."""
+    """Return faces over a place of the chart that are no walls, with the point in space."""
     import shapely
 
     rows = []
     for number, (face, owner) in enumerate(zip(shell.faces, shell.owners, strict=True)):
-        if owner.made:
+        if owner.is_wall:
             continue
         net = chart.flat(face.surface.control_points.reshape(-1, 3))
         if (place < net.min(axis=0)).any() or (place > net.max(axis=0)).any():
@@ -89,7 +92,7 @@ def region_faces(
         number = waiting.pop()
         for trim in shell.faces[number].trims:
             for other, side in shell.users[trim.edge or 0] if trim.edge is not None else ():
-                if other in found or shell.owners[other].made:
+                if other in found or (shell.owners[other].is_wall and not creased):
                     continue
                 net = chart.flat(shell.faces[other].surface.control_points.reshape(-1, 3))
                 apart = (net.max(axis=0) < low).any() or (net.min(axis=0) > high).any()
@@ -132,8 +135,44 @@ def outline_edges(
             middle = 0.5 * (start + end)
             over = shell.faces[_at(course, middle)].surface
             under = shell.faces[_at(far[number], middle)].surface if far else None
-            made.append(_edge(chart, ring, number, start, end, over, level, under, shell.size))
+            edge = _edge(chart, ring, number, start, end, over, level, under, shell.size)
+            top = _met(shell, course, start, end, edge.top)
+            bottom = edge.bottom
+            if far and bottom is not None:
+                bottom = _met(shell, far[number], start, end, bottom)
+            if top is not edge.top or bottom is not edge.bottom:
+                edge = replace(edge, top=top, bottom=bottom)
+            made.append(edge)
     return tuple(made)
+
+
+def _met(
+    shell: Shell, course: Sequence[Passage], start: float, end: float, fitted: FittedEdge
+) -> FittedEdge:
+    """Return an edge that begins and ends in the very places of the edges that it crosses.
+
+    Edges of details are fitted: their images in faces are beside them by up to `EXACT`, and faces
+    ask for less between sides that follow one another.
+    """
+    for passage in course:
+        for crossing, at, row in ((passage.entry, start, 0), (passage.leave, end, -1)):
+            if crossing is None or abs(crossing.t - at) > SAME_BREAK:
+                continue
+            trim = next(t for n, t in shell.users[crossing.edge] if n == passage.face)
+            place = np.array([crossing.at])
+            path, point = trim.curve.value(place)[0], shell.edges[crossing.edge].value(place)[0]
+            off = np.abs(fitted.path.control_points[row] - path)
+            if (off > BESIDE * np.ptp(shell.faces[passage.face].surface.ranges, axis=1)).any():
+                paths, points = (
+                    fitted.path.control_points.copy(),
+                    fitted.curve.control_points.copy(),
+                )
+                paths[row], points[row] = path, point
+                fitted = FittedEdge(
+                    replace(fitted.curve, control_points=points),
+                    replace(fitted.path, control_points=paths),
+                )
+    return fitted
 
 
 def _merged(places: Sequence[float]) -> list[float]:
@@ -322,8 +361,8 @@ def _lesser(shell: Shell, tops: set[int]) -> frozenset[int]:
                 if trim.edge is None or trim.edge in tops:
                     continue
                 for other, _ in shell.users[trim.edge]:
-                    same = shell.owners[other].patch == shell.owners[number].patch
-                    if same and not shell.owners[other].made and other not in side:
+                    same = shell.owners[other].is_of_one_area(shell.owners[number])
+                    if same and other not in side:
                         side.add(other)
                         waiting.append(other)
     if sides[0] & sides[1]:
@@ -350,9 +389,9 @@ def flooded(
     walls : set of int
         Edges that are not crossed.
     first : iterable of int
-        Where to begin; by default at the pieces of patches beside these edges.
+        Where to begin; by default beside these edges, but on no wall.
     creased : bool
-        Whether creases are crossed.
+        Whether creases and walls are crossed.
 
     Raises
     ------
@@ -360,7 +399,10 @@ def flooded(
         If a crease or a detail lies between them.
     """
     found = set(first) or {
-        number for edge in walls for number, _ in shell.users[edge] if not shell.owners[number].made
+        number
+        for edge in walls
+        for number, _ in shell.users[edge]
+        if not shell.owners[number].is_wall
     }
     waiting = list(found)
     while waiting:
@@ -371,8 +413,9 @@ def flooded(
             for other, side in shell.users[trim.edge]:
                 if other in found:
                     continue
-                smooth = creased or _is_smooth(shell, number, trim, other, side)
-                if shell.owners[other].made or not smooth:
+                if not creased and shell.owners[other].is_wall:
+                    raise UserError(CROSSES)
+                if not (creased or _is_smooth(shell, number, trim, other, side)):
                     raise UserError(CREASED)
                 found.add(other)
                 waiting.append(other)

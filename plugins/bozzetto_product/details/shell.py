@@ -12,6 +12,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Curve, Face, Mesh, ParameterCurve, Trim, shaded_faces
 from bozzetto.plugin import cached_property, remembered
+from bozzetto_product.details.floor import Floor
 
 COARSE: Final = 2e-4
 """Distance of shown triangles from the surface, as share of the size of the whole."""
@@ -32,11 +33,24 @@ class Owner:
         Number of the solved detail that made it or colours it; −1 for none.
     made : bool
         Whether the detail made it: a wall or a floor, not a piece of the patch.
+    floor : Floor, optional
+        The floor that it is a piece of.
     """
 
     patch: int
     detail: int = -1
     made: bool = False
+    floor: Floor | None = None
+
+    @property
+    def is_wall(self) -> bool:
+        """Whether it is a wall: only what goes over creases is drawn over it."""
+        return self.made and self.floor is None
+
+    def is_of_one_area(self, other: Owner) -> bool:
+        """Whether both are pieces of one patch, or of one floor."""
+        walls = self.is_wall or other.is_wall
+        return self.patch == other.patch and self.floor is other.floor and not walls
 
 
 def group_of(owner: Owner) -> tuple[int, int]:

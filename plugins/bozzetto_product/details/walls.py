@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -51,7 +52,7 @@ def with_walls(
             )
     if floor is not None:
         faces.append(Face(floor.surface, tuple(loops)))
-        owners.append(owner)
+        owners.append(replace(owner, floor=floor))
     return Shell(tuple(curves), tuple(faces), tuple(owners))
 
 

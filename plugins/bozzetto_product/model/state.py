@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from bozzetto.plugin import Parameter, PartsState
+from bozzetto_product.model.arcs import Arc
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.emblems import Emblem
@@ -40,7 +41,7 @@ class ProductState(PartsState):
     """
 
     nodes: tuple[
-        Curve | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...
+        Curve | Arc | Patch | Detail | Emblem | RoughShape | FollowedShape | CurveGroup, ...
     ] = ()
     joints: tuple[Joint, ...] = ()
     rejected: tuple[Boundary, ...] = ()
@@ -111,6 +112,17 @@ class ProductState(PartsState):
         float,
         Parameter("Fillet", 1e-3, 1e5, unit="mm", help="Radius of the next fillet.", advanced=True),
     ] = 5.0
+    strength: Annotated[
+        float,
+        Parameter(
+            "Strength of creases",
+            0.0,
+            1.0,
+            0.01,
+            tools=("crease",),
+            help="Of the next edge that is touched: 0 is smooth, 1 a full crease.",
+        ),
+    ] = 1.0
     spacing: Annotated[
         float,
         Parameter(

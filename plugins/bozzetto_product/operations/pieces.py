@@ -145,7 +145,7 @@ def split_curve(
     cuts = [cut for k, cut in enumerate(cuts) if k == 0 or cut - cuts[k - 1] > SHORTEST]
     if not cuts:
         raise UserError("The curve cannot be cut there. Choose a place inside it.")
-    parts = _exact_pieces(spline, cuts)
+    parts = exact_pieces(spline, cuts)
     names = [curve_id]
     for _ in parts[1:]:
         names.append(_unused_id(state, names))
@@ -337,7 +337,7 @@ def _as_one(
     return settled_state(without_idle_joints(replace(new, selected=first)), {first: merged.spline})
 
 
-def _exact_pieces(spline: Spline, cuts: Sequence[float]) -> list[Spline]:
+def exact_pieces(spline: Spline, cuts: Sequence[float]) -> list[Spline]:
     """Return the pieces of a curve, which begin and end in the very same numbers."""
     parts = list(spline.split(*(parameter_at(spline, cut) for cut in cuts)))
     places = [place_at(spline, cut) for cut in cuts]

@@ -1,12 +1,14 @@
-"""Crease: a touch on an edge makes the surfaces meet in a crease there, or smoothly."""
+"""Crease: a touch on an edge makes the surfaces meet in a crease, smoothly, or in between."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Final
 
+import numpy as np
+
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, Job, NextStep, Tap, override
+from bozzetto.plugin import Context, Gesture, Job, Tap, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_product.model.curve_stretch import with_stretch
 from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
@@ -15,18 +17,20 @@ from bozzetto_product.network.net import Edge
 from bozzetto_product.operations.curve_meant import place_under
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import solve_product
-from bozzetto_product.tools.over_curve import NO_CURVE
-from bozzetto_product.tools.product_tool import ProductTool, has_curves, own_surfaces, standing
+from bozzetto_product.tools.product_tool import CurveTool, own_surfaces, standing
 from bozzetto_product.view.scene import CHOSEN_WIDTH, CREASE_TOOL, edge_lines
 
 REACH: Final = 14.0
 """Distance from an edge within which a touch means it, px."""
 
+KINDS: Final[dict[float, EdgeKind]] = {0.0: "smooth", 1.0: "crease"}
+"""Kinds of edges by their crease; others lie between."""
+
 LAPS: Final = (0.0, 1.0)
 """Rounds of a closed curve at which a place on it may be meant."""
 
 
-class SwitchCrease(ProductTool):
+class SwitchCrease(CurveTool):
     """Switches an edge, which is the piece of a curve between joints, to a crease or to smooth."""
 
     id = CREASE_TOOL
@@ -34,16 +38,11 @@ class SwitchCrease(ProductTool):
     icon = "icons/crease.svg"
     group = "Reshape"
     hint = (
-        "Touch an edge between joints: surfaces meet in a crease there, at the next touch "
-        "smoothly; with Shift as over the whole curve."
+        "Touch an edge between joints: surfaces meet in a crease of the strength set, at the next "
+        "touch smoothly; with Shift as over the whole curve."
     )
     gesture = "tap"
     hovers = True
-
-    @override
-    def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture; where there is no curve, that one is to be drawn."""
-        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     @standing
@@ -72,11 +71,12 @@ class SwitchCrease(ProductTool):
         edges = _under(state, tap, context, result)
         if not edges:
             raise UserError("There is no edge here. Touch a curve between two joints.")
-        kind: EdgeKind = "crease" if _is_smooth(result, edges) else "smooth"
+        crease = 0.0 if _crease_of(result, edges) == state.strength else state.strength
+        kind: EdgeKind = KINDS.get(crease, "between")
         for number in edges:
             edge = result.net.edges[number]
             curve = next(one for one in state.of_kind(Curve) if one.id == edge.curve)
-            chosen = None if tap.shift else Stretch(*edge.span, kind)
+            chosen = None if tap.shift else Stretch(*edge.span, kind, crease)
             state = state.with_node(with_stretch(curve, *edge.span, chosen))
         return state
 
@@ -99,11 +99,15 @@ def _is_at(edge: Edge, share: float) -> bool:
     return any(low <= share + lap <= high for lap in LAPS)
 
 
-def _is_smooth(result: ProductResult, edges: Sequence[int]) -> bool:
-    """Whether surfaces meet smoothly at any of some edges."""
-    return any(
+def _crease_of(result: ProductResult, edges: Sequence[int]) -> float:
+    """Return the crease of edges that are switched together: 0 to 1."""
+    told = result.net.edges[edges[0]].crease
+    if np.isfinite(told):
+        return float(told)
+    smooth = any(
         one.is_smooth_at(place)
         for one in result.filled
         for place, (edge, _) in enumerate(one.loop)
         if edge in edges
     )
+    return 0.0 if smooth else 1.0

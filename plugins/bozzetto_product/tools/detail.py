@@ -9,6 +9,7 @@ from typing import Final
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Ink, Job, NextStep, override
+from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.details.outline_places import NO_SURFACE, places_of_ink
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.patches import Patch
@@ -80,7 +81,9 @@ def with_detail_drawn(
     if state.surfaces == "paper":
         raise UserError(UNCARVED)
     result = plain_result(state, sources)
-    places, closed = places_of_ink(strokes, grounds_of(result.patches))
+    carved = carved_bodies(state, sources)
+    grounds = grounds_of(result.patches)
+    places, closed = places_of_ink(strokes, grounds, carved.shells, carved.floors)
     model = state.chosen_of(Detail) or next(reversed(state.of_kind(Detail)), None)
     if model is None:
         depth, gap = (float(f"{share * result.size:.2g}") for share in (DEPTH, GAP))
@@ -110,3 +113,8 @@ def plain_result(state: ProductState, sources: Sources) -> ProductResult:
     """
     nodes = tuple(node for node in state.nodes if not isinstance(node, Detail))
     return solve_product(replace(state, nodes=nodes), Job(sources=sources))
+
+
+def carved_bodies(state: ProductState, sources: Sources) -> DetailedBodies:
+    """Return the surfaces of a product with its details, as they are seen."""
+    return solve_product(state, Job("preview", sources=sources)).detailed

@@ -11,12 +11,13 @@ from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
 from bozzetto.ink import Drawing
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
-from bozzetto.scene import Layer, Lines, Scene, Shaded, cast_rays
+from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera
+from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.details.drawing_outlines import drawing_outlines
 from bozzetto_product.details.emblem_places import anchored, emblem_outlines
 from bozzetto_product.details.ground import Ground, followed_outline, located
-from bozzetto_product.details.outline_places import NO_SURFACE, tangent_axes
+from bozzetto_product.details.outline_places import NO_SURFACE, seen_places, tangent_axes
 from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.model.state import ProductState
@@ -24,7 +25,7 @@ from bozzetto_product.solve.canvas import Sources
 from bozzetto_product.solve.paper_surfacing import UNCARVED
 from bozzetto_product.solve.result import ProductResult
 from bozzetto_product.solve.solver import grounds_of
-from bozzetto_product.tools.detail import DEPTH, GAP, plain_result
+from bozzetto_product.tools.detail import DEPTH, GAP, carved_bodies, plain_result
 from bozzetto_product.tools.product_tool import ProductTool, standing
 from bozzetto_product.view.detail_view import EMBLEM_TOOL, MIDDLE, SIZED, emblem_corner
 
@@ -85,7 +86,9 @@ class LayText(ProductTool):
             If there is no surface that is carved.
         """
         plain = _plain(state, context.sources)
-        at, up = _touched(tap.camera, np.array((tap.x, tap.y)), grounds_of(plain.patches))
+        carved = carved_bodies(state, context.sources)
+        pen = np.array((tap.x, tap.y))
+        at, up = _touched(tap.camera, pen, grounds_of(plain.patches), carved)
         model = state.chosen_of(Emblem) or next(reversed(state.of_kind(Emblem)), None)
         if model is None:
             model = replace(_first(plain), text=FIRST)
@@ -131,7 +134,8 @@ class LayText(ProductTool):
         if drag.handle == MIDDLE:
             # The pen may hold the handle a little beside.
             seen = drag.camera.project(at[None])[0][0]
-            place, _ = _touched(drag.camera, seen + end - begin, grounds)
+            carved = carved_bodies(_without(state, emblem), context.sources)
+            place, _ = _touched(drag.camera, seen + end - begin, grounds, carved)
             return state.with_node(replace(emblem, places=anchored(grounds, place, above - at)))
         if drag.handle != SIZED:
             raise UserError(GONE)
@@ -175,7 +179,8 @@ def with_drawing_laid(state: ProductState, drawing: Drawing, context: Context) -
         grounds_there = (ground,)
     else:
         centre = 0.5 * np.array(camera.viewport, float)
-        at, up = _touched(camera, centre, grounds, UNCHOSEN)
+        carved = carved_bodies(state, context.sources)
+        at, up = _touched(camera, centre, grounds, carved, UNCHOSEN)
         nearest = located(grounds, at[None]).grounds[0]
         grounds_there = (grounds[int(nearest)],)
     room = ROOM * float(np.ptp(grounds_there[0].fill.mesh.bounds, axis=0).max())
@@ -227,12 +232,20 @@ def _with_emblem(
     return replace(state.with_node(added), selected=added.id)
 
 
+def _without(state: ProductState, emblem: Emblem) -> ProductState:
+    return replace(state, nodes=tuple(node for node in state.nodes if node.id != emblem.id))
+
+
 def _grounds(state: ProductState, sources: Sources) -> tuple[Ground, ...]:
     return grounds_of(plain_result(state, sources).patches)
 
 
 def _touched(
-    camera: Camera, pixel: Array, grounds: tuple[Ground, ...], beside: str = BESIDE
+    camera: Camera,
+    pixel: Array,
+    grounds: tuple[Ground, ...],
+    carved: DetailedBodies,
+    beside: str = BESIDE,
 ) -> tuple[Array, Array]:
     """Return the place of surfaces under a pixel, and the direction there that is up on the sheet.
 
@@ -241,11 +254,9 @@ def _touched(
     UserError
         If there is no surface.
     """
-    scene = Scene((Layer("surfaces", tuple(Shaded(one.fill.mesh) for one in grounds)),))
-    hits = cast_rays(scene, camera.rays(pixel[None]))
-    if not hits.hit[0]:
-        raise UserError(beside if grounds else NO_SURFACE)
-    at = np.asarray(hits.points[0], float)
+    if not grounds:
+        raise UserError(NO_SURFACE)
+    at = seen_places(pixel[None], camera, grounds, carved.shells, carved.floors, beside)[0]
     _, (*_, normal) = tangent_axes(at, camera.axes[1], grounds)
     # Over an edge the surface above may be elsewhere: the tangent plane tells what is up.
     onto = camera.on_plane((pixel - (0.0, ABOVE))[None], at, normal)[0]

@@ -9,19 +9,17 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, override
+from bozzetto.plugin import Context, Drag, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene, cast_rays
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.corners import CORNER, Corner, corners_of
-from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.projection.views import pixel_size
 from bozzetto_product.tools.move import dragged_to
-from bozzetto_product.tools.over_curve import NO_CURVE
 from bozzetto_product.tools.product_tool import (
-    ProductTool,
+    CurveTool,
     changed,
-    has_curves,
     own_surfaces,
     standing,
 )
@@ -44,7 +42,7 @@ STILL: Final = 3.0
 _NOBODY: Final = "There is no corner here. Touch one between the two curves that are meant."
 
 
-class Fillet(ProductTool):
+class Fillet(CurveTool):
     """Rounds the corner between two curves that end in one joint."""
 
     id = FILLET_TOOL
@@ -56,11 +54,6 @@ class Fillet(ProductTool):
         "the radius “Fillet”."
     )
     gesture = "drag"
-
-    @override
-    def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture; where there is no curve, that one is to be drawn."""
-        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     @standing
@@ -110,7 +103,11 @@ def _is_same(one: Spline, other: Spline) -> bool:
 
 def _dragged(state: ProductState, drag: Drag) -> ProductState:
     corner = next(
-        (one for one in corners_of(state.joints, splines_of(state)) if one.name == drag.handle),
+        (
+            one
+            for one in corners_of(state.joints, splines_of(state), state.symmetry)
+            if one.name == drag.handle
+        ),
         None,
     )
     if corner is None or not drag.handle.startswith(CORNER):
@@ -124,8 +121,7 @@ def _dragged(state: ProductState, drag: Drag) -> ProductState:
 
 
 def _rounded(state: ProductState, corner: Corner, radius: float) -> ProductState:
-    made, name = fillet(state, corner.joint, corner.first, corner.second, radius)
-    return replace(made, selected=name)
+    return rounded_corner(state, corner.joint, corner.first, corner.second, radius, corner.ways)
 
 
 def _under(state: ProductState, tap: Tap, surfaces: Scene) -> Corner | None:
@@ -133,7 +129,7 @@ def _under(state: ProductState, tap: Tap, surfaces: Scene) -> Corner | None:
     camera = tap.camera
     pen = np.array((tap.x, tap.y))
     best: tuple[float, float, Corner] | None = None
-    for corner in corners_of(state.joints, splines_of(state)):
+    for corner in corners_of(state.joints, splines_of(state), state.symmetry):
         seen = camera.project(np.array((corner.place, corner.handle)))[0]
         away = float(np.linalg.norm(seen[0] - pen))
         if not np.isfinite(seen).all() or away > REACH or _is_hidden(corner, tap, surfaces):

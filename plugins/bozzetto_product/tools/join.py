@@ -7,15 +7,14 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, NextStep, Tap, override
+from bozzetto.plugin import Context, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene
 from bozzetto.view import Camera
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.magnets import NearMiss, near_misses
 from bozzetto_product.operations.trim import accept
 from bozzetto_product.projection.views import seen_at
-from bozzetto_product.tools.over_curve import NO_CURVE
-from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, standing
+from bozzetto_product.tools.product_tool import CurveTool, changed, standing
 from bozzetto_product.view.scene import JOIN_TOOL, dots, lines
 
 OFFERED: Final = 60.0
@@ -28,7 +27,7 @@ WIDTH: Final = 2.0
 """Width of the line over a gap, px."""
 
 
-class Join(ProductTool):
+class Join(CurveTool):
     """Joins ends that are too far apart to be joined by themselves."""
 
     id = JOIN_TOOL
@@ -38,11 +37,6 @@ class Join(ProductTool):
     hint = "Touch an end that nearly meets a curve: both are joined there."
     gesture = "tap"
     hovers = True
-
-    @override
-    def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture; where there is no curve, that one is to be drawn."""
-        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     @standing

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Final
 
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Gesture, Ink, NextStep, override
+from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Lines, Scene
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.network.reflection import Reflection
-from bozzetto_product.tools.product_tool import ProductTool, changed, has_curves, standing
+from bozzetto_product.tools.product_tool import CurveTool, changed, standing
 from bozzetto_product.view.scene import CHOSEN_WIDTH, lines, polyline
 
-NO_CURVE: Final = "Draw a curve first; then draw over it where it is to run."
 
-
-class OverCurve(ProductTool):
+class OverCurve(CurveTool):
     """Changes the curve that strokes are drawn over."""
 
     @abstractmethod
@@ -30,11 +27,6 @@ class OverCurve(ProductTool):
         UserError
             If there is no curve near them.
         """
-
-    @override
-    def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture; where there is no curve, that one is to be drawn."""
-        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     @standing

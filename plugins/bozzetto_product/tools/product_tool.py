@@ -12,7 +12,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, resample
-from bozzetto.plugin import Context, Ink, Job, Tool, override
+from bozzetto.plugin import Context, Ink, Job, NextStep, Tool, override
 from bozzetto.scene import Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Camera
 from bozzetto_product.details.bodies import SolvedDetail
@@ -29,6 +29,8 @@ from bozzetto_product.view.scene import SURFACES, polyline
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
+
+NO_CURVE: Final = "Draw a curve first; this tool changes curves that are there."
 
 REACH: Final = 9.0
 """Half the width of the eraser, px."""
@@ -74,6 +76,15 @@ class ProductTool(Tool[ProductState]):
     def erase(self, state: ProductState, ink: Ink, context: Context) -> ProductState:
         """Take away the curves that the eraser's path runs along, or the details under it."""
         return erased(state, ink.strokes[-1], context.sources)
+
+
+class CurveTool(ProductTool):
+    """A tool for curves that are there."""
+
+    @override
+    def next_step(self, state: ProductState) -> NextStep:
+        """Return the gesture; where there is no curve, that one is to be drawn."""
+        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
 
 def own_surfaces(scene: Scene) -> Scene:

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import Context, Gesture, NextStep, Tap, override
+from bozzetto.plugin import Context, Gesture, Tap, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.curve_meant import CurvePlace, place_under
 from bozzetto_product.operations.pieces import split_curve
-from bozzetto_product.tools.over_curve import NO_CURVE
 from bozzetto_product.tools.product_tool import (
-    ProductTool,
+    CurveTool,
     changed,
-    has_curves,
     own_surfaces,
     standing,
 )
@@ -24,7 +22,7 @@ REACH: Final = 14.0
 """Distance from a curve within which a touch means it, px."""
 
 
-class Split(ProductTool):
+class Split(CurveTool):
     """Cuts a curve where it is touched; its pieces stay joined."""
 
     id = "split"
@@ -34,11 +32,6 @@ class Split(ProductTool):
     hint = "Touch a curve where it is to be cut; its pieces stay joined."
     gesture = "tap"
     hovers = True
-
-    @override
-    def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture; where there is no curve, that one is to be drawn."""
-        return NextStep(self.hint) if has_curves(state) else NextStep(NO_CURVE, tool="draw")
 
     @override
     @standing

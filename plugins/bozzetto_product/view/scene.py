@@ -326,7 +326,7 @@ def _creases(result: ProductResult) -> Iterator[Lines]:
 def _corners(state: ProductState, result: ProductResult) -> Iterator[Handle]:
     """Yield a handle in each corner that can be rounded."""
     splines = {curve.id: curve.spline for curve in result.curves if curve.spline is not None}
-    for corner in corners_of(state.joints, splines):
+    for corner in corners_of(state.joints, splines, state.symmetry):
         yield Handle(corner.name, corner.handle, tip="Corner: drag the arc")
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from bozzetto.arrays import Array, Faces, Index
 from bozzetto.geometry import Mesh
@@ -25,34 +28,69 @@ FINEST = 0.25
 """Length of the edges that are left while a stroke is painted, in steps of the mesh."""
 
 
+class Unpainted(NamedTuple):
+    """What a stroke is painted on: all that it does not change, so that many may begin with it.
+
+    Attributes
+    ----------
+    faces : (f, 3) int32 array
+    rest, seen : tuple of (v, 3) float array
+        Points and unit normals, where strokes lie and as they are seen; one object where nothing
+        is posed.
+    under, paint : Coat
+        Of the vertices: what is below all paint, and the paint before the stroke.
+    colors, cover : (v, 4) and (v,) uint8 array
+        Of both together, as a mesh has them.
+    boxes : (2, 3, f) float array
+        The lowest and highest corners of the triangles.
+    lengths : (f,) float array
+        Of their longest sides.
+    step : float
+        Spacing of the body's mesh, mm.
+    """
+
+    faces: Faces
+    rest: tuple[Array, Array]
+    seen: tuple[Array, Array]
+    under: Coat
+    paint: Coat
+    colors: NDArray[np.uint8]
+    cover: NDArray[np.uint8]
+    boxes: Array
+    lengths: Array
+    step: float
+
+    @classmethod
+    def of(cls, rest: Mesh, seen: Mesh, under: Coat, paint: Coat, step: float) -> Unpainted:
+        """Return what two meshes with the same triangles, and the coats of their vertices, tell."""
+        here = _columns(rest)
+        there = here if seen is rest else _columns(seen)
+        boxes, lengths = boxes_of(here[0], rest.faces), longest_edges(here[0], rest.faces)
+        seen_paint = paint.over(under).bytes()
+        return cls(rest.faces, here, there, under, paint, *seen_paint, boxes, lengths, step)
+
+
+def _columns(mesh: Mesh) -> tuple[Array, Array]:
+    return mesh.vertices.astype(np.float64), mesh.vertex_normals().astype(np.float64)
+
+
 class Canvas:
     """A mesh that is painted on, at rest and as it is seen; it gets finer where the stroke ends.
 
     Parameters
     ----------
-    rest, seen : Mesh
-        With the same triangles; `rest` is where strokes lie.
-    under, paint : Coat
-        Of their vertices: what is below all paint, and the paint before this stroke.
-    step : float
-        Spacing of the body's mesh, mm.
+    start : Unpainted
+        Before the stroke.
     """
 
-    def __init__(self, rest: Mesh, seen: Mesh, under: Coat, paint: Coat, step: float) -> None:
-        self._faces = rest.faces
-        self._rest = rest.vertices.astype(np.float64), rest.vertex_normals().astype(np.float64)
-        self._is_posed = seen is not rest
-        self._seen = (
-            (seen.vertices.astype(np.float64), seen.vertex_normals().astype(np.float64))
-            if self._is_posed
-            else self._rest
-        )
-        self._under, self._paint, self._step = under, paint, step
+    def __init__(self, start: Unpainted) -> None:
+        self._faces, self._rest, self._seen = start.faces, start.rest, start.seen
+        self._is_posed = start.seen is not start.rest
+        self._under, self._paint, self._step = start.under, start.paint, start.step
         self._covered = np.zeros(len(self._rest[0]))
-        self._colors, self._cover = paint.over(under).bytes()
-        self._longest = coarsest(self._rest[0], self._faces, step)
-        self._boxes = boxes_of(self._rest[0], self._faces)
-        self._lengths = longest_edges(self._rest[0], self._faces)
+        self._colors, self._cover = start.colors.copy(), start.cover.copy()
+        self._boxes, self._lengths = start.boxes, start.lengths
+        self._longest = coarsest(start.lengths, start.step)
         self._laid: list[Segments] = []
 
     @property

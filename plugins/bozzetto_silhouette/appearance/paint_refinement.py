@@ -43,6 +43,10 @@ class Refinement:
         Step by step, the two vertices that each new one lies between.
     paint : Coat
         Of all vertices.
+    boxes : (2, 3, f) float array
+        The lowest and highest corners of the triangles: kept, for a stroke changes few of them.
+    lengths : (f,) float array
+        Of their longest sides.
     """
 
     points: Array
@@ -50,13 +54,16 @@ class Refinement:
     faces: Faces
     parents: tuple[Index, ...]
     paint: Coat
+    boxes: Array
+    lengths: Array
 
     @classmethod
     def of(cls, mesh: Mesh) -> Refinement:
         """Return a mesh as it is, without paint."""
         points = mesh.vertices.astype(np.float64)
         normals = mesh.vertex_normals().astype(np.float64)
-        return cls(points, normals, mesh.faces, (), bare(len(points)))
+        boxes, lengths = boxes_of(points, mesh.faces), longest_edges(points, mesh.faces)
+        return cls(points, normals, mesh.faces, (), bare(len(points)), boxes, lengths)
 
     def spread(self, values: Array) -> Array:
         """Return values at the vertices of the mesh, (v, d), at all vertices."""
@@ -97,16 +104,15 @@ def refined(fine: Refinement, track: Track, step: float, finest: float = FINEST)
         Length of the edges that are left where the paint ends, in steps.
     """
     points, normals, faces, parents = fine.points, fine.normals, fine.faces, list(fine.parents)
-    paint, segments = fine.paint, track.segments
+    paint, segments, boxes, lengths = fine.paint, track.segments, fine.boxes, fine.lengths
     drawn = track._replace(look=track.look._replace(color=(255, 255, 255), opacity=1.0))
     has_room = len(faces) < FULL * MOST_FACES
-    detail = coarsest(points, faces, step) if has_room and len(segments.ends) else 0.0
+    detail = coarsest(lengths, step) if has_room and len(segments.ends) else 0.0
     while detail > 1.5 * finest * step:
         reach = float(segments.radii.max()) + detail
         low, high = segments.points.min(axis=0) - reach, segments.points.max(axis=0) + reach
         # Who shares an edge of this length has one.
-        near = meets(boxes_of(points, faces), low, high)
-        near[near] = longest_edges(points, faces[near]) > 0.75 * detail
+        near = meets(boxes, low, high) & (lengths > 0.75 * detail)
         divided, pair = halved(points, normals, faces[near], [drawn], detail)
         if len(faces) - int(near.sum()) + len(divided) > MOST_FACES:
             break
@@ -114,10 +120,12 @@ def refined(fine: Refinement, track: Track, step: float, finest: float = FINEST)
         if len(pair):
             faces = np.concatenate([faces[~near], divided])
             points, normals = with_middles(points, normals, pair)
+            boxes = np.concatenate([boxes[..., ~near], boxes_of(points, divided)], axis=2)
+            lengths = np.concatenate([lengths[~near], longest_edges(points, divided)])
             paint = with_mixed(paint, pair)
             parents.append(pair)
     paint = painted_over(paint, track, points, normals, finest * step)
-    return Refinement(points, normals, faces, tuple(parents), paint)
+    return Refinement(points, normals, faces, tuple(parents), paint, boxes, lengths)
 
 
 def with_mixed(coat: Coat, pair: Index) -> Coat:
@@ -147,9 +155,9 @@ def meets(boxes: Array, low: Array, high: Array) -> Flags:
     return flags
 
 
-def coarsest(points: Array, faces: Faces, step: float) -> float:
+def coarsest(lengths: Array, step: float) -> float:
     """Return a length to begin to halve edges at: the longest edge, as a power of two of a step."""
-    longest = float(longest_edges(points, faces).max(initial=step))
+    longest = float(lengths.max(initial=step))
     return float(step * 2.0 ** np.ceil(np.log2(longest / step)))
 
 

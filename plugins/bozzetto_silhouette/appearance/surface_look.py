@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.arrays import Array, Index
 from bozzetto.geometry import Mesh, Texture
 from bozzetto.plugin import remembered
-from bozzetto_silhouette.appearance.live_canvas import Canvas
+from bozzetto_silhouette.appearance.live_canvas import Unpainted
 from bozzetto_silhouette.appearance.paint_layer import (
     Group,
     Track,
@@ -133,7 +133,7 @@ def finely_shown(state: SilhouetteState, body: Body, fine: Refinement, shown: Me
     return _colored(fine.applied(shown), coat)
 
 
-def canvas_of(state: SilhouetteState, body: Body, seen: Callable[[Mesh], Mesh]) -> Canvas:
+def canvas_of(state: SilhouetteState, body: Body, seen: Callable[[Mesh], Mesh]) -> Unpainted:
     """Return a body's mesh to paint on, with the paint that is on it.
 
     Parameters
@@ -146,13 +146,35 @@ def canvas_of(state: SilhouetteState, body: Body, seen: Callable[[Mesh], Mesh]) 
         Gives a mesh of the body, vertex for vertex, as its joints are turned.
     """
     strokes, ground = laid_strokes(state), ground_of(state, body)
-    fine = _soon(strokes, ground, body)
+    return _unpainted(state, body, ground, strokes, _soon(strokes, ground, body), seen)
+
+
+# Found while a pen hovers: where it goes down, the stroke begins at once.
+@remembered(
+    limit=2,
+    key=lambda state, body, ground, strokes, fine, seen: (
+        state.unpainted,
+        state.picture,
+        state.turns,
+        ground.mesh,
+        strokes,
+        fine,
+    ),
+)
+def _unpainted(
+    state: SilhouetteState,
+    body: Body,
+    ground: Ground,
+    strokes: tuple[Group, ...],
+    fine: Refinement | None,
+    seen: Callable[[Mesh], Mesh],
+) -> Unpainted:
     under = bare(len(ground.mesh.vertices)) if ground.coat is None else ground.coat
     if fine is None:
         paint = paint_on_mesh(strokes, ground.mesh, body, body.step)
-        return Canvas(ground.mesh, seen(ground.mesh), under, paint, body.step)
+        return Unpainted.of(ground.mesh, seen(ground.mesh), under, paint, body.step)
     rest, there = fine.applied(ground.mesh), fine.applied(seen(ground.mesh))
-    return Canvas(rest, there, _spread(fine, under), fine.paint, body.step)
+    return Unpainted.of(rest, there, _spread(fine, under), fine.paint, body.step)
 
 
 def _soon(strokes: tuple[Group, ...], ground: Ground, body: Body) -> Refinement | None:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
-from bozzetto.plugin import Context, Gesture, Ink, Preview, Tap, override
-from bozzetto.scene import Layer, Scene, Shaded
+from bozzetto.plugin import Command, Context, Gesture, Ink, Preview, Tap, override
+from bozzetto.scene import Layer, Lines, Scene, Shaded
 from bozzetto_silhouette.appearance.brush_cover import Segments
 from bozzetto_silhouette.appearance.live_canvas import Canvas
 from bozzetto_silhouette.appearance.surface_look import canvas_of
@@ -25,6 +31,15 @@ from bozzetto_silhouette.tools.erasing_tool import ErasingTool
 
 NOTHING_YET = "There is nothing to paint on yet. Draw a shape first."
 BESIDE = "This passes the shape by. Paint over the shape."
+SIZED: Final = 1.2
+"""By which the brush gets larger at once."""
+
+SMALLEST, LARGEST = 1.0, 400.0
+"""Bounds of its size, px; those of the parameter."""
+
+ROUND: Final = 64
+"""Sides of the circle that shows how wide it is."""
+
 NO_PAINT = "There is no paint to rub out. Paint with the pen first."
 
 
@@ -35,7 +50,11 @@ class Brush(ErasingTool):
     title = "Brush"
     icon = "icons/brush.svg"
     group = "Colours"
-    hint = "Paint on the shape: press harder for a wider stroke; the eraser rubs paint out."
+    hint = (
+        "Paint on the shape: press harder for a wider stroke, [ and ] size the brush; the eraser "
+        "rubs paint out."
+    )
+    hovers = True
 
     @override
     def draw(self, state: SilhouetteState, ink: Ink, context: Context) -> SilhouetteState:
@@ -63,6 +82,37 @@ class Brush(ErasingTool):
     def begin(self, state: SilhouetteState, context: Context) -> Preview[SilhouetteState]:
         """Return the preview of a stroke, which grows with it."""
         return BrushPreview(self, state, context)
+
+
+def brush_commands() -> tuple[Command, ...]:
+    """Return what makes the brush smaller and larger."""
+    return tuple(
+        Command(
+            f"brush-{word}",
+            f"{word.capitalize()} brush",
+            f"Paint with a brush that is {word} by a fifth.",
+            partial(_sized, factor),
+            key=key,
+            enabled=lambda state: bool(state.nodes),
+            menu="Brush",
+        )
+        for word, factor, key in (("smaller", 1.0 / SIZED, "["), ("larger", SIZED, "]"))
+    )
+
+
+def _sized(factor: float, state: SilhouetteState, context: Context) -> SilhouetteState:
+    size = round(state.brush_size * factor)
+    size += (size == round(state.brush_size)) * (1 if factor > 1.0 else -1)
+    return replace(state, brush_size=float(np.clip(size, SMALLEST, LARGEST)))
+
+
+def _ring(tap: Tap, size: float) -> Lines:
+    """Return a circle of the width of the brush where it is pressed hard."""
+    turn = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
+    pixels = (tap.x, tap.y) + 0.5 * size * np.column_stack([np.cos(turn), np.sin(turn)])
+    camera = tap.camera
+    points = camera.on_plane(pixels, camera.target, camera.axes[2])
+    return Lines(points.astype(np.float32), color="accent", hidden="show")
 
 
 def _painted(
@@ -116,13 +166,18 @@ class BrushPreview(Preview[SilhouetteState]):
 
     @override
     def update(self, gesture: Gesture) -> Scene:
-        """Return the shape as it is painted so far.
+        """Return the shape as it is painted so far; of a pen that hovers, how wide it paints.
+
+        What a stroke begins with is found while the pen hovers.
 
         Raises
         ------
         UserError
             If a part's ink is no outline.
         """
+        if isinstance(gesture, Tap):
+            self._start()
+            return Scene((Layer("brush", (_ring(gesture, self.state.brush_size),)),))
         if not isinstance(gesture, Ink):
             return Scene()
         stroke = gesture.strokes[-1]
@@ -147,4 +202,6 @@ class BrushPreview(Preview[SilhouetteState]):
         self._surface = brush_surface(self.state)
         if self._surface is not None:
             body = self._surface.body
-            self._canvas = canvas_of(self.state, body, lambda mesh: bent(self.state, body, mesh))
+            self._canvas = Canvas(
+                canvas_of(self.state, body, lambda mesh: bent(self.state, body, mesh))
+            )

@@ -229,10 +229,11 @@ def with_marks(
         Of the stroke.
     """
     changed: dict[str, Part] = {}
+    whole = replace(marks, radii=_filled_radii(marks, look.softness))
     for part in state.parts:
         if part.id not in body.sources:
             continue
-        runs = _runs_on(marks, marks.sources == body.sources.index(part.id))
+        runs = _runs_on(whole, marks.sources == body.sources.index(part.id))
         if not runs:
             continue
         rows = np.concatenate(runs)
@@ -243,11 +244,28 @@ def with_marks(
             look,
             marks.points[rows],
             marks.normals[rows],
-            marks.radii[rows],
+            whole.radii[rows],
             starts,
         )
         changed[part.id] = replace(part, paint_strokes=(*part.paint_strokes, stroke))
     return replace(state, nodes=tuple(changed.get(node.id, node) for node in state.nodes))
+
+
+def _filled_radii(marks: Marks, softness: float) -> Array:
+    """Return the radii of marks, those of marks that lie in others as large as these allow, mm.
+
+    What a mark covers fully its neighbours need not tell: a hand that presses unevenly leaves a
+    narrow mark within wide ones, and the stroke covers what it did.
+    """
+    steps = np.linalg.norm(np.diff(marks.points, axis=0), axis=1)
+    core = (1.0 - softness) * marks.radii
+    radii = marks.radii.copy()
+    for run in np.split(np.arange(len(radii)), np.flatnonzero(~marks.joined) + 1):
+        along = np.concatenate([[0.0], np.cumsum(steps[run[:-1]])])
+        before = np.maximum.accumulate(core[run] + along) - along
+        behind = np.maximum.accumulate((core[run] - along)[::-1])[::-1] + along
+        radii[run] = np.maximum(radii[run], np.maximum(before, behind))
+    return radii
 
 
 def _runs_on(marks: Marks, own: Flags) -> list[Index]:

@@ -225,6 +225,25 @@ def test_a_picture_is_a_sketch_too_and_goes():
     assert not any(reddish[10:])
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.7, 2.5])
+def test_a_picture_alone_begins_the_turn_seen_from_its_front(turn):
+    """Nobody has drawn or looked at it: all of it is seen, upright, its left half left."""
+    pixels = np.full((8, 8, 4), (30, 200, 30, 255), np.uint8)
+    pixels[:4, :4] = 200, 30, 30, 255
+    way = np.array((np.cos(turn), np.sin(turn), 0.0))
+    corner = (-100.0 * way + (0.0, 0.0, 80.0)).tolist()
+    picture = Picture(pixels, tuple(corner), tuple((200.0 * way).tolist()), (0.0, 0.0, -160.0))
+    first = film_of((), None, scene=scene_of() + Scene((Layer("sketch", (picture,)),)))[0]
+    red = np.argwhere(first[..., 0].astype(int) - first[..., 1] > 60)
+    green = np.argwhere(first[..., 1].astype(int) - first[..., 0] > 60)
+    assert len(red) > 1000
+    assert len(green) == pytest.approx(3 * len(red), rel=0.1)
+    assert (red.mean(axis=0) < green.mean(axis=0)).all()
+    both = np.concatenate([red, green])
+    assert (both.min(axis=0) > 0).all()
+    assert (both.max(axis=0) < np.subtract(first.shape[:2], 1)).all()
+
+
 def test_without_a_sketch_it_says_so():
     with pytest.raises(UserError, match="no sketch"):
         film_of(())

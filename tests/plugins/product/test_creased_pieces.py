@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -99,6 +100,16 @@ def test_a_touch_switches_the_piece_under_the_pen_and_no_other() -> None:
     other = _tap(once, 0.0, 14.0)
     creased = {name for name, (crease, _) in edges_of(other).items() if crease == 1.0}
     assert creased == {"m/1", "n/2"}
+
+
+@pytest.mark.parametrize("strength", [0.0, 0.3, 1.0])
+def test_a_touch_gives_the_strength_that_is_set_and_the_next_one_takes_it(strength: float) -> None:
+    state = replace(product_of_network(facts()), strength=strength)
+    done = _tap(state, -15.0, 0.0)
+    told = edges_of(done)
+    assert told["m/1"] == (strength, strength < 1.0)
+    assert {told[name] for name in ("m/2", "n/1", "n/2")} == {(None, True)}
+    assert edges_of(_tap(done, -15.0, 0.0))["m/1"] == (0.0, True)
 
 
 def test_nothing_under_the_pen_is_told() -> None:

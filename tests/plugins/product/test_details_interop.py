@@ -17,6 +17,8 @@ from tests.plugins.product.detail_kit import (
     polygon_around,
     with_detail,
 )
+from tests.plugins.product.test_details_on_floors import POCKET, disc
+from tests.plugins.product.test_details_on_floors import solved as solved_on_box
 from tests.plugins.product.test_details_over_edges import over_edge, solved
 from tests.plugins.product.test_network_file import box
 
@@ -53,4 +55,23 @@ def test_opencascade_reads_a_window_across_an_edge(tmp_path, draft):
     assert messages(said) == []
     assert answer["valid"]
     assert (answer["solids"], answer["shells"]) == (1, 1)
+    assert answer["volume"] == pytest.approx(manifold(solid.mesh).volume(), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "x"),
+    [(kind, 50.0) for kind in ("in", "raised", "cut", "button", "split")]
+    + [("cut", 70.0), ("split", 70.0)],
+)
+def test_opencascade_reads_what_lies_on_a_floor_and_cuts_over_its_rim(tmp_path, kind, x):
+    inner = {"kind": kind, "depth": 1.5, "outlines": [disc(8.0, x=x)], "draft": 4.0}
+    result, solid = solved_on_box({**POCKET, "draft": 4.0}, inner)
+    assert [one.problem for one in result.detailed.details] == ["", ""]
+    path = tmp_path / "a.step"
+    export(Shapes(solids=(solid,)), path)
+    said, answer = ask(OPENCASCADE, path)
+    assert messages(said) == []
+    assert answer["valid"]
+    assert (answer["solids"], answer["shells"]) == (1, 1)
+    assert answer["faces"] == len(solid.exact.faces)
     assert answer["volume"] == pytest.approx(manifold(solid.mesh).volume(), rel=1e-3)

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from bozzetto.document.model import Document, Model
+from bozzetto.document.storage.bozz_file import decode_document, encode_document
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.plugin import Context, Drag, Job, Tap
+from bozzetto.plugin.host.registry import Registry
 from bozzetto.scene import Handle, Lines
 from bozzetto.testing import Pen, same
 from bozzetto.view import Camera
+from bozzetto_product.model.arcs import Arc
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.patches import Patch
@@ -21,6 +26,8 @@ from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.corners import Corner, corners_of
 from bozzetto_product.operations.fillet import fillet
 from bozzetto_product.operations.meetings import splines_of
+from bozzetto_product.operations.pieces import split_curve
+from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.fillet import Fillet
@@ -111,8 +118,91 @@ def _curves_at(state: ProductState, joint: str) -> list[str]:
     return [m.curve for one in state.joints if one.id == joint for m in one.meetings]
 
 
-def test_what_runs_through_is_told() -> None:
-    """A T: two curves end inside a third one."""
+def network(lines: dict[str, list[tuple[float, float, float]]], mirrored: str = "") -> ProductState:
+    """Straight curves by their ends, joined wherever an end lies on a curve; y = 0 is symmetric."""
+    knots = Spline.uniform(np.zeros((7, 3))).knots
+    share = np.array([knots[k + 1 : k + 4].mean() for k in range(7)])[:, None] / knots[-1]
+    curves = []
+    for name, ends in lines.items():
+        first, last = np.array(ends, float)
+        spline = Spline.uniform((1.0 - share) * first + share * last)
+        curves.append(Curve(name, name, spline=spline, mirrored=name in mirrored))
+    places = sorted({end for ends in lines.values() for end in ends})
+    joints = []
+    for number, place in enumerate(places):
+        meetings = []
+        for name, (first, last) in lines.items():
+            way = np.subtract(last, first)
+            at = float(np.subtract(place, first) @ way / (way @ way))
+            off = np.linalg.norm(np.array(first) + at * way - place)
+            if -1e-9 < at < 1.0 + 1e-9 and off < 1e-9:
+                meetings.append(Meeting(name, at))
+        joints.append(Joint(f"j{number}", tuple(meetings), bool(mirrored) and place[1] == 0.0))
+    return with_patches_found(ProductState(nodes=tuple(curves), joints=tuple(joints)))
+
+
+def areas(state: ProductState) -> list[float]:
+    result = solve_product(state, Job())
+    assert not any(one.problem for one in result.patches)
+    return sorted(one.fill.area for one in result.filled if one.fill is not None)
+
+
+SHEET = {
+    "t": [(0.0, 0.0, 0.0), (100.0, 0.0, 0.0)],
+    "u": [(0.0, 40.0, 0.0), (100.0, 40.0, 0.0)],
+    "l": [(0.0, 0.0, 0.0), (0.0, 40.0, 0.0)],
+    "r": [(100.0, 0.0, 0.0), (100.0, 40.0, 0.0)],
+    "a": [(60.0, 0.0, 0.0), (60.0, 40.0, 0.0)],
+}
+"""A sheet of 100 by 40, parted by one line that ends inside both long sides."""
+
+CUT_OFF = (1.0 - 0.25 * np.pi) * RADIUS**2
+"""Area between a right angle and its arc, mm²."""
+
+COARSE = 0.05 * CUT_OFF
+"""Of triangles between an arc and its chords."""
+
+
+def corner_at(state: ProductState, curves: set[str], toward: tuple[float, float, float]) -> Corner:
+    return min(
+        (
+            one
+            for one in corners_of(state.joints, splines_of(state), state.symmetry)
+            if {one.first, one.second} == curves
+        ),
+        key=lambda one: float(np.linalg.norm(np.subtract(one.handle, toward))),
+    )
+
+
+def rounded(state: ProductState, corner: Corner) -> ProductState:
+    done, arc = fillet(state, corner.joint, corner.first, corner.second, RADIUS, corner.ways)
+    spline = splines_of(done)[arc]
+    middles = spline.value(np.linspace(*spline.range, 9))
+    way = np.subtract(corner.handle, corner.place)
+    centre = corner.place + np.sqrt(2.0) * RADIUS * way / np.linalg.norm(way)
+    assert np.linalg.norm(middles - centre, axis=1) == pytest.approx(RADIUS, rel=1e-6)
+    assert [patch.id for patch in done.of_kind(Patch)] == [p.id for p in state.of_kind(Patch)]
+    assert with_patches_found(done).of_kind(Patch) == done.of_kind(Patch)
+    return done
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("x", [50.0, 70.0])
+def test_on_a_curve_that_runs_through_the_arc_ends_inside_it(x: float, turned: bool) -> None:
+    """What one surface loses the other one gets."""
+    lines = {name: ends[::-1] if turned else ends for name, ends in SHEET.items()}
+    state = network(lines)
+    assert areas(state) == pytest.approx([1600.0, 2400.0], abs=1e-6)
+    done = rounded(state, corner_at(state, {"t", "a"}, (x, 10.0, 0.0)))
+    assert misses(done) < 1e-9
+    found = splines_of(done)["t"].control_points[[0, -1]]
+    np.testing.assert_array_equal(found, splines_of(state)["t"].control_points[[0, -1]])
+    change = CUT_OFF if x < 60.0 else -CUT_OFF
+    assert areas(done) == pytest.approx([1600.0 + change, 2400.0 - change], abs=COARSE)
+
+
+def test_what_runs_through_meets_the_arc_of_two_others() -> None:
+    """Two curves end in one place inside a third one: that goes on to touch their arc."""
     share = np.linspace(-1.0, 1.0, 9)[:, None]
     through = Spline.uniform(share * (50.0, 0.0, 0.0))
     ends = [Spline.uniform((share + 1.0) * way) for way in ((20.0, 20.0, 0.0), (-20.0, 20.0, 0.0))]
@@ -121,9 +211,62 @@ def test_what_runs_through_is_told() -> None:
     ]
     joint = Joint("j", (Meeting("t", 0.5), Meeting("a", 0.0), Meeting("b", 0.0)))
     state = ProductState(nodes=tuple(curves), joints=(joint,))
-    with pytest.raises(UserError, match="runs through"):
-        fillet(state, "j", "a", "b", 5.0)
-    assert not list(corners_of(state.joints, splines_of(state)))
+    done, arc = fillet(state, "j", "a", "b", 5.0)
+    assert misses(done) < 1e-9
+    (kept,) = (one for one in done.joints if one.id == "j")
+    assert {meet.curve for meet in kept.meetings} == {"t", arc}
+
+
+HALF = {name: SHEET[name] for name in "tulr"}
+"""Half of a sheet that is symmetric across its side t."""
+
+
+def test_a_corner_in_the_symmetry_plane_is_rounded_on_both_sides() -> None:
+    state = network(HALF, mirrored="ulr")
+    assert areas(state) == pytest.approx([4000.0, 4000.0], abs=1e-6)
+    done = rounded(state, corner_at(state, {"t", "l"}, (9.0, 9.0, 0.0)))
+    spline = splines_of(done)["t"].control_points
+    assert (spline[:, 1] == 0.0).all()
+    assert min(spline[[0, -1], 0]) == pytest.approx(RADIUS)
+    one, other = areas(done)
+    assert one == pytest.approx(4000.0 - CUT_OFF, abs=COARSE)
+    assert one == other
+    (foot,) = (
+        joint for joint in done.joints if {m.curve for m in joint.meetings} == {"t", done.selected}
+    )
+    assert foot.in_plane
+
+
+@pytest.mark.parametrize("x", [50.0, 70.0])
+def test_a_curve_in_the_symmetry_plane_stays_whole_where_it_goes_on(x: float) -> None:
+    state = network(SHEET, mirrored="ulra")
+    done = rounded(state, corner_at(state, {"t", "a"}, (x, 10.0, 0.0)))
+    change = CUT_OFF if x < 60.0 else -CUT_OFF
+    expected = [1600.0 + change] * 2 + [2400.0 - change] * 2
+    assert areas(done) == pytest.approx(expected, abs=COARSE)
+    found = splines_of(done)["t"].control_points
+    np.testing.assert_array_equal(found, splines_of(state)["t"].control_points)
+
+
+def test_a_corner_of_two_curves_in_the_symmetry_plane_stays_in_it() -> None:
+    """A third curve that ends there ends on the arc, in the plane, from then on."""
+    lines = {**HALF, "v": [(0.0, 0.0, 0.0), (0.0, 0.0, 50.0)]}
+    state = network(lines, mirrored="ulr")
+    done, arc = fillet(state, *corner_names(state, {"t", "v"}), RADIUS)
+    spline = splines_of(done)[arc]
+    assert (spline.control_points[:, 1] == 0.0).all()
+    middle = np.array((RADIUS, 0.0, RADIUS))
+    away = np.linalg.norm(spline.value(np.linspace(*spline.range, 9)) - middle, axis=1)
+    assert away == pytest.approx(RADIUS, rel=1e-6)
+    assert misses(done) < 1e-9
+    on_arc = [one for one in done.joints if any(m.curve == arc for m in one.meetings)]
+    assert len(on_arc) == 3
+    assert all(one.in_plane for one in on_arc)
+
+
+def corner_names(state: ProductState, curves: set[str]) -> tuple[str, str, str]:
+    corner = corner_at(state, curves, (0.0, 0.0, 0.0))
+    return corner.joint, corner.first, corner.second
 
 
 def _context(state: ProductState) -> Context:
@@ -142,7 +285,11 @@ def test_every_corner_has_a_handle_of_the_tool() -> None:
 def test_the_arc_goes_where_the_pen_drags_it(radius: float) -> None:
     """Dragged along the bisector to where the middle of the arc of a radius is."""
     state = box()
-    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
     start, place = np.array(corner.handle), np.array(corner.place)
     way = (start - place) / np.linalg.norm(start - place)
     goal = place + radius * (1.0 / np.sin(0.25 * np.pi) - 1.0) * way
@@ -173,7 +320,11 @@ def _ways(corner: Corner, state: ProductState) -> tuple[np.ndarray, np.ndarray]:
 
 def test_a_touch_on_a_dot_takes_the_radius_that_is_set() -> None:
     state = box()
-    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
     x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
     path = Pen(camera=VIEW).along([(x, y), (x + 0.4, y)])
     done = Fillet().drag(state, Drag(corner.name, path), Context(camera=VIEW))
@@ -184,7 +335,11 @@ def test_a_touch_on_a_dot_takes_the_radius_that_is_set() -> None:
 
 def test_the_preview_shows_what_changes_only() -> None:
     state = box()
-    corner = next(one for one in corners_of(state.joints, splines_of(state)) if one.joint == "j7")
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
     x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
     path = Pen(camera=VIEW).along([(x, y), (x + 6.0, y)])
     (layer,) = Fillet().preview(state, Drag(corner.name, path), Context(camera=VIEW)).layers
@@ -200,7 +355,7 @@ def test_a_touch_means_the_corner_that_it_lies_in(pair: tuple[int, int]) -> None
     names = {curves[k] for k in pair}
     wanted = next(
         one
-        for one in corners_of(state.joints, splines_of(state))
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
         if one.joint == "j7" and {one.first, one.second} == names
     )
     seen = VIEW.project(np.array((wanted.place, wanted.handle)))[0]
@@ -224,3 +379,57 @@ def test_nothing_is_rounded_where_no_corner_is() -> None:
     path = Pen(camera=VIEW).along([(100.0, 100.0), (120.0, 100.0)])
     with pytest.raises(UserError, match="not there any more"):
         Fillet().drag(state, Drag("corner j7 e0 gone", path), _context(state))
+
+
+def test_another_radius_typed_rounds_the_corner_anew() -> None:
+    """It is the network that the first radius would have made, but for ids and their order."""
+    state = box()
+    names = ("j7", *_curves_at(state, "j7")[:2])
+    once = rounded_corner(state, *names, 5.0)
+    arc = once.node(once.selected)
+    assert isinstance(arc, Arc)
+    painted = once.with_node(replace(arc, color=(200, 10, 10), name="Lip"))
+    nodes = tuple(replace(n, radius=9.0) if n.id == arc.id else n for n in painted.nodes)
+    anew = ProductModeler().with_parts(painted, nodes, arc.id)
+    fresh = rounded_corner(state, *names, 9.0)
+    for name, spline in splines_of(fresh).items():
+        np.testing.assert_array_equal(splines_of(anew)[name].control_points, spline.control_points)
+    assert {joint.id: set(joint.meetings) for joint in anew.joints} == {
+        joint.id: set(joint.meetings) for joint in fresh.joints
+    }
+    assert [one.boundary for one in anew.of_kind(Patch)] == [
+        one.boundary for one in fresh.of_kind(Patch)
+    ]
+    kept = anew.node(arc.id)
+    assert (kept.name, kept.color, kept.radius) == ("Lip", (200, 10, 10), 9.0)
+    back = ProductModeler().with_parts(
+        anew, tuple(replace(n, radius=5.0) if n.id == arc.id else n for n in anew.nodes), arc.id
+    )
+    assert same(back.node(arc.id).spline, arc.spline)
+
+
+def test_a_corner_that_was_changed_since_keeps_its_radius_and_says_so() -> None:
+    state = box()
+    once = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 5.0)
+    arc = once.node(once.selected)
+    cut, _ = split_curve(once, arc.rounded.first, [0.4])
+    nodes = tuple(replace(n, radius=9.0) if n.id == arc.id else n for n in cut.nodes)
+    with pytest.raises(UserError, match="changed since"):
+        ProductModeler().with_parts(cut, nodes, arc.id)
+    nodes = tuple(replace(n, radius=900.0) if n.id == arc.id else n for n in once.nodes)
+    with pytest.raises(UserError, match="too large"):
+        ProductModeler().with_parts(once, nodes, arc.id)
+
+
+def test_an_arc_comes_back_from_a_document_and_is_rounded_anew() -> None:
+    state = box()
+    once = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 5.0)
+    version = ProductModeler.state_version
+    made = Model("m", "Box", "bozzetto.product", once, state_version=version)
+    content = encode_document(Document((made,)))
+    (again,) = decode_document(content, Registry())[0].models
+    assert encode_document(Document((again,))) == content
+    nodes = tuple(replace(n, radius=7.0) if n.id == once.selected else n for n in again.state.nodes)
+    anew = ProductModeler().with_parts(again.state, nodes, once.selected)
+    wanted = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 7.0)
+    assert same(anew.node(once.selected).spline, wanted.node(wanted.selected).spline)

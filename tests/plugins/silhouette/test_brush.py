@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from time import thread_time
 
@@ -17,9 +18,11 @@ from bozzetto.geometry import Mesh, Placement
 from bozzetto.ink import Drawing, Stroke, Strokes
 from bozzetto.ink.steps import DrawStep, SetStep
 from bozzetto.plugin import Context, Ink, Job, Tap
+from bozzetto.plugin.cache import forget_all
 from bozzetto.plugin.host.registry import Registry
 from bozzetto.testing import Pen
 from bozzetto.view import Camera
+from bozzetto_silhouette.appearance import live_canvas
 from bozzetto_silhouette.appearance.brush_cover import Segments, covered
 from bozzetto_silhouette.appearance.paint_layer import (
     laid_strokes,
@@ -39,6 +42,7 @@ from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.evaluate import tree_body
 from bozzetto_silhouette.tools import DrawOutline
 from bozzetto_silhouette.tools.brush import Brush
+from bozzetto_silhouette.tools.brush_marks import brush_surface, marks_under, path_of
 from bozzetto_silhouette.tools.mirror import MirrorCopy
 from bozzetto_silhouette.tools.tunnel import DrawTunnel
 from tests.blender import asked
@@ -505,6 +509,98 @@ def test_the_preview_is_what_the_stroke_leaves_and_only_new_places_are_worked_ou
     assert not BRUSH.begin(SilhouetteState(), CONTEXT).update(Ink((PEN.dot(),))).layers
 
 
+@pytest.mark.parametrize("size", [12.0, 90.0])
+def test_a_pen_that_hovers_shows_how_wide_it_paints(size):
+    state = ball(brush_size=size)
+    scene = BRUSH.begin(state, CONTEXT).update(Tap(500.0, 460.0, FRONT))
+    (item,) = (item for _, item in scene.items())
+    away = np.linalg.norm(FRONT.project(item.points)[0] - (500.0, 460.0), axis=1)
+    assert away == pytest.approx(0.5 * size, abs=0.01)
+    assert BRUSH.begin(SilhouetteState(), CONTEXT).update(Tap(500.0, 460.0, FRONT)).layers
+
+
+def test_what_a_stroke_begins_with_is_found_while_the_pen_hovers(monkeypatch):
+    state = brushed(ball(radius=235.0), PEN.along(ACROSS))
+    asked = []
+    found = live_canvas.Unpainted.of.__func__
+    monkeypatch.setattr(
+        live_canvas.Unpainted,
+        "of",
+        classmethod(lambda cls, *given: asked.append(1) or found(cls, *given)),
+    )
+    BRUSH.begin(state, CONTEXT).update(Tap(600.0, 450.0, FRONT))
+    assert asked == [1]
+    first = BRUSH.begin(state, CONTEXT).update(Ink((PEN.dot(),)))
+    again = BRUSH.begin(state, CONTEXT).update(Ink((PEN.dot(),)))
+    assert asked == [1]
+    one, other = (scene.layers[0].items[0].mesh for scene in (first, again))
+    np.testing.assert_array_equal(one.colors, other.colors)
+    assert one.cover.max() == 255
+
+
+def test_keys_size_the_brush():
+    keys = {command.key: command for command in MODELER.commands() if command.menu == "Brush"}
+    state = ball(brush_size=20.0)
+    assert (
+        keys["["].run(state, CONTEXT).brush_size < 20.0 < keys["]"].run(state, CONTEXT).brush_size
+    )
+    assert keys["["].run(replace(state, brush_size=1.0), CONTEXT).brush_size == 1.0
+    assert keys["]"].run(replace(state, brush_size=400.0), CONTEXT).brush_size == 400.0
+    sizes = [1.0]
+    for _ in range(12):
+        sizes.append(keys["]"].run(replace(state, brush_size=sizes[-1]), CONTEXT).brush_size)
+    assert (np.diff(sizes) >= 1.0).all()
+
+
+@pytest.mark.parametrize("softness", [0.0, 0.5])
+def test_a_pen_pressed_unevenly_keeps_few_places_and_covers_the_same(softness):
+    """Against the stroke with all of its marks: narrow ones lie within wide ones."""
+    random = np.random.default_rng(31)
+    line = PEN.along([(470, 400), (560, 480), (700, 430), (600, 540), (500, 500)])
+    line = Stroke(line.x, line.y, FRONT, pressure=random.uniform(0.0, 1.0, len(line)))
+    state = ball(brush_size=30.0, brush_softness=softness)
+    surface = brush_surface(state)
+    marks = marks_under(surface, *path_of(line, 30.0), FRONT)
+    (stroke,) = brushed(state, line).parts[0].paint_strokes
+    assert len(stroke.points) < 0.4 * len(marks.points)
+    whole = Segments.through(marks.points, marks.normals, marks.radii, marks.joined)
+    (track,) = tracks_of(laid_strokes(brushed(state, line)), surface.body)
+    places = surface.body.vertices, surface.body.normals, 0.5 * surface.body.step
+    covers = np.zeros((2, len(surface.body.vertices)))
+    for row, segments in zip(covers, (whole, track.segments), strict=True):
+        index, cover = covered(segments, softness, *places)
+        row[index] = cover
+    off = np.abs(np.diff(covers, axis=0))
+    assert off.max() < 0.4  # where a hard edge lies 0.05 radii beside
+    assert off.mean() < 0.003
+    assert off[:, covers[0] > 0.999].mean() < 1e-3
+
+
+def test_two_paintings_at_once_are_what_each_is_alone():
+    lines = [PEN.along([(480 + 4 * k, 400), (560, 480), (650, 430 + 5 * k)]) for k in range(6)]
+    starts = [ball(radius=231.0), ball(radius=229.0, brush_softness=0.5)]
+
+    def colors(start):
+        result = MODELER.solve(brushed(start, *lines), Job())
+        return result.shown.colors, result.shown.cover
+
+    with ThreadPoolExecutor(2) as pool:
+        together = list(pool.map(colors, starts))
+    for (color, cover), start in zip(together, starts, strict=True):
+        alone = brushed(start, *lines)
+        fine = painted_alone(alone)
+        np.testing.assert_array_equal(cover, fine.cover)
+        np.testing.assert_array_equal(color, fine.colors)
+
+
+def painted_alone(state: SilhouetteState) -> Mesh:
+    """The shown mesh, worked out with nothing remembered."""
+    forget_all()
+    shown = MODELER.solve(state, Job()).shown
+    assert shown is not None
+    return shown
+
+
 def test_the_eraser_is_seen_at_work():
     state = brushed(ball(), PEN.along(ACROSS))
     MODELER.solve(state, Job())
@@ -569,7 +665,8 @@ def test_a_projected_picture_is_baked_large_enough_too():
 
 
 @pytest.mark.long
-def test_hundreds_of_long_strokes_stay_live_and_small():
+@pytest.mark.parametrize("uneven", [False, True])
+def test_hundreds_of_long_strokes_stay_live_and_small(uneven):
     random = np.random.default_rng(12)
     state = ball(resolution=128, brush_size=8.0)
     for _ in range(200):
@@ -578,6 +675,8 @@ def test_hundreds_of_long_strokes_stay_live_and_small():
         walk = np.abs((np.cumsum(steps, axis=0) + random.uniform(0, 300, 2)) % 600 - 300)
         place = walk + np.array([450.0, 300.0])
         pressure = 0.5 + 0.4 * np.sin(np.linspace(0.0, random.uniform(5.0, 60.0), 2000))
+        if uneven:
+            pressure = random.uniform(0.0, 1.0, 2000)
         stroke = Stroke(place[:, 0], place[:, 1], FRONT, pressure=pressure)
         state = brushed(state, stroke)
     (part,) = state.parts
