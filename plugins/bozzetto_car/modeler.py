@@ -143,7 +143,7 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def report(self, state: CarState, result: Body, job: Job) -> Mapping[str, Any]:
         """Return nodes, cameras, residuals, constraints, creases and dimensions."""
-        return report_of(result, state.edits, job)
+        return report_of(result, state.edits, job, state.tyre)
 
     @override
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
