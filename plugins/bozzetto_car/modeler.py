@@ -190,7 +190,7 @@ class Car(PartsModeler[CarState, Body]):
 
 def _car_of(context: Context, job: Job) -> CarState:
     if is_car_file(context.facts):
-        return car_from_facts(context.facts, context.pictures, job)
+        return car_from_facts(context.facts, context.pictures, job, context.templates)
     if is_template_file(context.facts):
         return car_of_template(context.facts)
     return CarState()

@@ -387,8 +387,8 @@ class CarState(PartsState):
     complete: Annotated[
         bool,
         Parameter("Complete car",
-                  help="Hand over a closed body with wheel arches and a floor, panes, lamps and trim, "
-                  "instead of its surfaces."),
+                  help="Hand over a closed body with wheel arches and a floor, panes, lamps and "
+                  "trim, instead of its surfaces."),
     ] = False  # fmt: skip
     mirrors: Annotated[
         bool,

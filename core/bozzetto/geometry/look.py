@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from bozzetto.geometry.curve import Color
+if TYPE_CHECKING:
+    from bozzetto.geometry.curve import Color
 
 Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
 """Materials that surfaces look as if they were made of."""

@@ -60,10 +60,10 @@ def _surface(patchwork: Patchwork) -> Surface:
 
 def _groups(brep: Brep, counts: Sequence[int]) -> tuple[FaceGroup, ...]:
     """Return a group for every row of faces of one name and look; none where all are plain."""
-    looks = [(f.name or brep.name, f.color, f.finish, f.material) for f in brep.faces]
-    if set(looks) == {(brep.name, None, "matt", "")}:
+    looks = [(f.name or brep.name, Look(f.color, f.finish, f.material)) for f in brep.faces]
+    if set(looks) == {(brep.name, Look())}:
         return ()
     return tuple(
-        FaceGroup(name, sum(count for _, count in row), color, finish, material)
-        for (name, color, finish, material), row in groupby(zip(looks, counts, strict=True), itemgetter(0))
+        FaceGroup(name, sum(count for _, count in row), *look)
+        for (name, look), row in groupby(zip(looks, counts, strict=True), itemgetter(0))
     )

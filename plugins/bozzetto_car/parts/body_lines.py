@@ -1,8 +1,8 @@
 """Sill and bumper lines: lines of equal share of the height of panels, around the car.
 
-A panel at the lower rim of the body has a line at a share of its way up from there, which is a cubic
-on its surface. Neighbours share the edge between them, so their lines meet. The sill has one between
-the wheels, the bumpers have one before and behind them; all end at the arches.
+A panel at the lower rim of the body has a line at a share of its way up from there, which is a
+cubic on its surface. Neighbours share the edge between them, so their lines meet. The sill has one
+between the wheels, the bumpers have one before and behind them; all end at the arches.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def _line(net: Array, side: int, share: float) -> Array:
 def _arches(
     network: Network, nets: Array, cut: Mapping[int, CutPanel]
 ) -> list[tuple[Array, float]]:
-    """Return centre and radius of what a line leaves out around the wheels of the right side, mm."""
+    """Return centre and radius of what lines leave out around the wheels on the right, mm."""
     found = []
     for centre in network.positions[network.template.wheels[:, 0]]:
         radii = [

@@ -155,7 +155,9 @@ def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
         yield network_lines(lines, SHUT, SHUT_WIDTH, hidden="hide")
 
 
-@remembered(limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading, state.tyre))
+@remembered(
+    limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading, state.tyre)
+)
 def _wheel_layer(state: CarState, body: Body) -> Layer:
     """Return the layer of the wheels; empty over a drawing, which shows its own."""
     items: tuple[Item, ...] = ()
