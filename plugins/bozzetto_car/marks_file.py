@@ -72,7 +72,8 @@ def car_from_facts(
     facts : mapping
         ``"template"``: one of `TEMPLATES`, such as ``"sedan"``, the name of one that a plugin
         brings, or a template of one's own (an object);
-        ``"views"``: a list of objects with ``"marks"``: ``{node: [u, v]}``, ``"kind"``, ``"cropped"``, ``"strokes"``: ``{edge: [[u, v], …]}``, ``"image"``,
+        ``"views"``: a list of objects with ``"marks"``: ``{node: [u, v]}``, ``"kind"``,
+        ``"cropped"``, ``"strokes"``: ``{edge: [[u, v], …]}``, ``"image"``,
         ``"name"``; ``"image"``: ``{"width", "height", "file"}`` for views that have none;
         ``"dimensions"``: ``{"LN", "WD", "HG", "FO", "WB"}``, mm; ``"styling"``: a list of
         ``{"view", "points", "name"}``.

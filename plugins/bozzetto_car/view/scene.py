@@ -142,6 +142,7 @@ def _shaded(body: Body) -> Mesh:
 def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
     """Yield what a complete car has besides its surfaces and wheels."""
     for inset, look in inset_meshes(body.template, body.nets):
+        assert look.color is not None
         dull = look.finish == "matt"
         yield Shaded(inset, look.color, pickable=False, finish="rubber" if dull else "gloss")
     if state.mirrors:
