@@ -17,7 +17,7 @@ MM_PER_INCH: Final = 25.4
 WRITTEN: Final = re.compile(
     r"(?:P|LT)?\s*(\d{3})\s*/\s*(\d{2})\s*(?:-|Z?R|B|D)?\s*(\d{2})\s*C?"
     r"(?:\s+\(?\d{2,3}(?:/\d{2,3})?\s*[A-Z]\)?)?",
-    re.IGNORECASE,
+    re.ASCII | re.IGNORECASE,
 )
 
 RANGES: Final = (("width", 105, 405, "mm"), ("height", 20, 95, "%"), ("rim", 10, 26, "inches"))

@@ -15,10 +15,11 @@ import pytest
 from bozzetto.exchange.export import prepare_export
 from bozzetto.exchange.handover import Handover
 from bozzetto.geometry import brep_mesh, meshed
-from bozzetto.geometry.patches import Places, foot_points, points_at
+from bozzetto.geometry.patches import foot_points, points_at
 from bozzetto_car.body.build import body_of
 from bozzetto_car.export import shapes_of
 from bozzetto_car.parts.body_lines import body_lines
+from bozzetto_car.parts.closed_body import closed_body
 from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.parts.windows import CLEARANCE, SET_IN, THICKNESS, inserts
 from bozzetto_car.state import CarState
@@ -150,25 +151,32 @@ def test_panes_are_objects_of_their_own_in_3mf_taken_apart(sheets, tmp_path):
 
 
 @pytest.mark.parametrize("name", TEMPLATES)
-def test_what_stands_in_openings_is_solid_and_free_of_the_body(name):
-    from manifold3d import Manifold, Mesh
-
-    from bozzetto_car.parts.closed_body import closed_body
-
+def test_what_stands_in_openings_is_solid(name):
     car = body_of(CarState(template=name))
     made = inserts(car.network, car.nets)
     assert len({part.name for part in made}) == len(made) >= 8
+    for part in made:
+        assert part.is_closed
+        assert len(part.pieces) == 1
+        assert volume(brep_mesh(part, 1.0)) > 0.0
+
+
+def test_what_stands_in_openings_is_free_of_the_body():
+    from manifold3d import Manifold, Mesh
+
+    car = body_of(CarState())
 
     def solid(part):
         mesh = brep_mesh(part, 0.5)
-        return Manifold(Mesh(mesh.vertices, mesh.faces.astype(np.uint32)))
+        made = Manifold(Mesh(np.array(mesh.vertices), np.array(mesh.faces, np.uint32)))
+        assert made.num_tri()
+        return made
 
     body = solid(closed_body(car.network, car.nets))
-    for part in made:
-        assert part.is_closed
+    for part in inserts(car.network, car.nets):
         own = solid(part)
-        assert own.volume() > 0.0
         assert (own ^ body).volume() < 1e-3 * own.volume()
+        assert own.min_gap(body, 10.0 * CLEARANCE) > 0.3 * CLEARANCE
 
 
 @pytest.mark.parametrize("name", ["sedan", "van"])
@@ -184,27 +192,6 @@ def test_panes_lie_below_the_body_by_the_depth_of_the_gap(name):
             away = np.linalg.norm(points_at(car.nets, feet) - places, axis=1)
             assert (0.75 * deep < away).all()
             assert (away < 1.02 * deep).all()
-
-
-def test_a_pane_is_smaller_than_its_opening_by_the_clearance():
-    car = body_of(CarState())
-    pane = next(p for p in inserts(car.network, car.nets) if p.name == "Glass front right")
-    number = next(n for n, p in enumerate(car.template.patches) if p.name == "glass_front.R")
-    net = car.nets[[number]]
-    corners = np.array(pane.faces[0].surface.control_points)[[0, 0, -1, -1], [0, -1, -1, 0]]
-    feet = foot_points(net, corners)
-    frame = np.minimum(feet.at, 1.0 - feet.at)
-    lengths = [np.linalg.norm(np.diff(points_at(net, Places(np.zeros(200, np.intp), line)), axis=0),
-                              axis=1).sum() for line in _through_middle()]  # fmt: skip
-    gaps = frame * lengths
-    assert (gaps > 42.0 + 0.4 * CLEARANCE).all()
-    assert np.median(gaps) < 42.0 * 1.6
-
-
-def _through_middle():
-    at = np.linspace(0.0, 1.0, 200)
-    half = np.full(200, 0.5)
-    return np.stack((at, half), 1), np.stack((half, at), 1)
 
 
 @pytest.mark.parametrize("name", TEMPLATES)
