@@ -92,7 +92,8 @@ def test_materials_are_those_of_a_car_in_all_formats(whole, sheets):
         assert re.findall(r"^newmtl (.*)$", library, re.M) == list(
             dict.fromkeys(re.findall(r"^usemtl (.*)$", made.data.decode(), re.M))
         )
-        assert {one.replace("_", " ") for one in re.findall(r"^newmtl (.*)$", library, re.M)} == told
+        words = re.findall(r"^newmtl (.*)$", library, re.M)
+        assert {word.replace("_", " ") for word in words} == told
 
 
 def test_colours_of_parts_are_in_3mf_and_step(whole, tmp_path):
@@ -102,7 +103,8 @@ def test_colours_of_parts_are_in_3mf_and_step(whole, tmp_path):
         assert "#{:02X}{:02X}{:02X}FF".format(*color) in model
         red, green, blue = (value / 255 for value in color)
         shades = re.findall(r"COLOUR_RGB\('',([\d.E-]+),([\d.E-]+),([\d.E-]+)\)", step)
-        assert any(np.allclose([float(x) for x in s], (red, green, blue), atol=1e-6) for s in shades)
+        rows = np.array(shades, float)
+        assert np.abs(rows - (red, green, blue)).max(axis=1).min() < 1e-6
 
 
 def test_wheels_leave_whatever_the_switch(sheets):
@@ -140,8 +142,8 @@ def test_volume_and_bounds_are_the_same_taken_apart(whole):
     wanted = sum(volume(part.mesh) for part in whole_meshes)
     assert found == pytest.approx(wanted, rel=1e-5)
     bounds = np.array([part.mesh.bounds for part in whole_meshes])
-    np.testing.assert_allclose(np.ptp(places, axis=0)[0],
-                               bounds[:, 1, 0].max() - bounds[:, 0, 0].min(), atol=0.01)  # fmt: skip
+    reach = bounds[:, 1, 0].max() - bounds[:, 0, 0].min()
+    np.testing.assert_allclose(np.ptp(places, axis=0)[0], reach, atol=0.01)
 
 
 def test_panes_are_objects_of_their_own_in_3mf_taken_apart(sheets, tmp_path):
@@ -199,8 +201,8 @@ def test_sill_and_bumper_lines_lie_on_the_surface_between_the_arches(name):
     car = body_of(CarState(template=name))
     lines = list(body_lines(car.network, car.nets, cut_panels(car.network, car.nets)))
     words = {words for words, _ in lines}
-    assert words == {f"{what} {side}" for side in ("left", "right")
-                     for what in ("Sill line", "Bumper line front", "Bumper line rear")}  # fmt: skip
+    kinds = ("Sill line", "Bumper line front", "Bumper line rear")
+    assert words == {f"{kind} {side}" for side in ("left", "right") for kind in kinds}
     axles = car.network.positions[car.template.wheels.ravel()]
     front, rear = sorted({float(x) for x in axles[:, 0].round(6)})
     share = np.linspace(0.0, 1.0, 9)[:, None]
