@@ -49,7 +49,8 @@ FAINT = 0.5
 
 LARGE = (1200, 750)
 LOOKS = {"sedan": (130.0, 12.0), "hatchback": (-140.0, 13.0), "minivan": (138.0, 17.0)}
-"""From where each of the three cars with pictures in the text is seen best: angle from the tail and above the floor, degrees."""
+"""From where the cars with pictures in the text are seen best: angle from the tail and above the
+floor, degrees."""
 
 BEHIND = (-35.0, 16.0)
 """Where one looks at what a sketch of the front does not show."""
