@@ -37,7 +37,7 @@ THICKNESS: Final = 4.0
 """Thickness of what stands in an opening, mm."""
 
 CLEARANCE: Final = 1.5
-"""Distance of what stands in an opening from its sides and from its bed, mm."""
+"""Distance of what stands in an opening from its bed, and from its sides in the mean, mm."""
 
 NARROWEST: Final = 0.25
 """Largest share of an opening that the clearance takes on each side."""
