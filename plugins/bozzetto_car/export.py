@@ -55,9 +55,10 @@ def shapes_of(state: CarState, body: Body) -> Shapes:
 
 
 def _panels(body: Body) -> Patchwork:
-    """Return the surfaces with the material of each panel."""
-    looks = (GLASS if patch.glass else PAINT for patch in body.template.patches)
-    return replace(body.patchwork, color=PAINT.color, patch_looks=tuple(looks))
+    """Return the surfaces with the material of each panel; paint is of the object's colour."""
+    paint = PAINT._replace(color=None)
+    looks = (GLASS if patch.glass else paint for patch in body.template.patches)
+    return replace(body.patchwork, patch_looks=tuple(looks))
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:

@@ -123,7 +123,7 @@ def test_surfaces_are_what_they_were_and_windows_of_glass(sheets):
     body = body_of(state)
     (work,) = shapes_of(state, body).patchworks
     assert not shapes_of(state, body).breps
-    for name in ("nets", "edges", "sides", "name", "patch_names"):
+    for name in ("nets", "edges", "sides", "name", "patch_names", "color"):
         np.testing.assert_array_equal(getattr(work, name), getattr(body.patchwork, name))
     glass = {
         name
@@ -131,6 +131,8 @@ def test_surfaces_are_what_they_were_and_windows_of_glass(sheets):
         if look.finish == "glass"
     }
     assert glass == {patch.name for patch in body.template.patches if patch.glass}
+    paint = {look.color for look in work.patch_looks if look.material == "Paint"}
+    assert paint == {None}, "a person's colour of the object counts"
     assert meshed(sheets).surfaces[0].groups
 
 
