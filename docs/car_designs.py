@@ -1,8 +1,10 @@
-"""Three cars of our own: nodes in places, and edges with tangents, that no template has.
+"""Eight cars of our own: nodes in places, and edges with tangents, that no template has.
 
 A wedge of a saloon whose roof runs down to a short tail, a tall round hatchback, and a long van
-that is one box. `truth` gives the network of a car and the cameras of its drawings; nothing of it
-stands in the marks files of the gallery, so that what is found from these can be judged by it.
+that is one box are laid out node by node; a long low coupé, a raked estate, a square SUV, a pickup
+with a short cab, and a short van with a bonnet by the ways of their nodes from a template's.
+`truth` gives the network of a car and the cameras of its drawings; nothing of it stands in the
+marks files of the gallery, so that what is found from these can be judged by it.
 """
 
 from __future__ import annotations
@@ -32,6 +34,11 @@ VIEWS: Mapping[str, tuple[tuple[float, float, float], ...]] = {
     "sedan": ((40.0, 8.0, 8.0), (142.0, 13.0, 8.5)),
     "hatchback": ((-36.0, 11.0, 7.0),),
     "minivan": ((-90.0, 0.0, np.inf), (47.0, 10.0, 9.5)),
+    "coupe": ((-42.0, 9.0, 7.5),),
+    "estate": ((138.0, 14.0, 9.0),),
+    "suv": ((38.0, 11.0, 8.0),),
+    "pickup": ((-46.0, 12.0, 10.0),),
+    "van": ((52.0, 9.0, 10.0),),
 }
 """From where cars are drawn: azimuth (0 looks at the nose, 90 at the right side) and elevation,
 degrees, and distance, m; from infinity it is an orthographic drawing."""
@@ -72,6 +79,64 @@ NODES: Mapping[str, Mapping[str, Point]] = {
     },
 }  # fmt: skip
 """Nodes on the right and in the middle, mm."""
+
+WAYS: Mapping[str, Mapping[str, Point]] = {
+    "coupe": {  # lower and longer before the windscreen, the tail turned up
+        "C0": (-20, 0, 5), "C1": (-35, 0, -35), "C2": (80, 0, -20), "C3": (95, 0, -35),
+        "C4": (90, 0, -40), "C5": (140, 0, -30), "C6": (120, 0, 15), "C7": (45, 0, 55),
+        "C8": (25, 0, 10),
+        "S1": (-25, 5, -25), "S2": (80, 15, -12), "S3": (60, 18, -4), "S4": (70, 16, 20),
+        "S5": (45, 5, 50), "R1": (95, -12, -35), "R2": (90, -14, -40), "R3": (130, -10, -28),
+        "B1": (-15, 8, 0), "B2": (45, 15, -4), "B3": (30, 18, -4), "B4": (45, 16, 0),
+        "B5": (35, 8, 15), "WF": (-25, 14, 8), "WR": (60, 18, 8),
+    },
+    "estate": {  # long and low, the tailgate lies down
+        "C0": (0, 0, 5), "C1": (-15, 0, -30), "C2": (60, 0, -25), "C3": (90, 0, -45),
+        "C4": (70, 0, -50), "C5": (-60, 0, -70), "C6": (70, 0, -5), "C7": (90, 0, 15),
+        "C8": (85, 0, 10),
+        "S1": (-10, 15, -25), "S2": (60, 25, -20), "S3": (40, 28, -12), "S4": (60, 24, 5),
+        "S5": (70, 15, -5), "S6": (85, 18, 15), "R1": (90, -5, -45), "R2": (75, -8, -52),
+        "R3": (-40, -10, -68), "B1": (0, 15, 0), "B2": (30, 25, -6), "B3": (30, 28, -6),
+        "B4": (60, 25, -4), "B5": (75, 18, 10), "WF": (0, 20, 10), "WR": (90, 24, 10),
+    },
+    "suv": {  # square: upright at both ends, flat on top
+        "C0": (15, 0, 15), "C1": (-10, 0, 45), "C2": (-20, 0, 55), "C3": (-70, 0, 50),
+        "C4": (-40, 0, 25), "C5": (130, 0, 60), "C6": (25, 0, 40), "C7": (10, 0, 25),
+        "C8": (15, 0, 10),
+        "S1": (-40, 30, 45), "S2": (-20, 25, 50), "S3": (0, 25, 40), "S4": (40, 28, 40),
+        "S5": (20, 45, 35), "S6": (10, 35, 25), "R1": (-65, 25, 55), "R2": (-30, 25, 35),
+        "R3": (125, 35, 60), "B1": (-20, 22, 10), "B2": (0, 25, 5), "B3": (0, 25, 5),
+        "B4": (20, 25, 5), "B5": (15, 28, 10), "WF": (-10, 24, 14), "WR": (20, 26, 14),
+    },
+    "pickup": {  # a short cab far forward, a long bed
+        "C0": (0, 0, -20), "C1": (10, 0, -40), "C2": (-60, 0, -25), "C3": (-110, 0, -50),
+        "C4": (-150, 0, -65), "C5": (-190, 0, -60), "C6": (-160, 0, -40), "C7": (60, 0, -35),
+        "C8": (60, 0, -25),
+        "S1": (10, 10, -35), "S2": (-60, 14, -30), "S3": (-110, 16, -30), "S4": (-150, 18, -30),
+        "S5": (60, 12, -35), "R1": (-110, 0, -52), "R2": (-150, -5, -64), "R3": (-190, -5, -58),
+        "B1": (0, 12, -20), "B2": (-30, 14, -25), "B3": (-90, 16, -25), "B4": (-110, 16, -25),
+        "B5": (60, 14, -25), "WF": (-20, 16, 0), "WR": (40, 18, 0),
+    },
+    "van": {  # shorter, with a bonnet before the windscreen
+        "C0": (0, 0, 5), "C1": (-25, 0, 15), "C2": (90, 0, 10), "C3": (150, 0, -60),
+        "C4": (-60, 0, -90), "C5": (-420, 0, -70), "C6": (-400, 0, -30), "C7": (-380, 0, 0),
+        "C8": (-380, 0, 5),
+        "S1": (-5, 10, 10), "S2": (90, 18, 10), "S3": (40, 20, 5), "S4": (-250, 18, 5),
+        "S5": (-390, 10, -25), "S6": (-380, 14, 0), "R1": (150, -10, -60), "R2": (90, -12, -85),
+        "R3": (-400, -8, -70), "B1": (0, 12, 5), "B2": (30, 18, 0), "B3": (0, 20, 0),
+        "B4": (-190, 18, 0), "B5": (-370, 14, 5), "WF": (0, 16, 6), "WR": (-240, 18, 6),
+    },
+}  # fmt: skip
+"""Ways of nodes from those of the template, mm."""
+
+LIKE: Mapping[str, str] = {
+    "coupe": "sedan",
+    "estate": "hatchback",
+    "suv": "hatchback",
+    "pickup": "sedan",
+    "van": "minivan",
+}
+"""Cars whose corners, lamps and gaps are those of another one."""
 
 JOINTS: Mapping[str, Mapping[str, Way]] = {
     "sedan": {},
@@ -126,6 +191,11 @@ def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
     return network, tuple(camera(network.positions, *view) for view in VIEWS[template.id])
 
 
+def kind_of(template: Template) -> str:
+    """Whose corners, lamps and gaps a car on this template has."""
+    return LIKE.get(template.id, template.id)
+
+
 # -- shape -----------------------------------------------------------------------------------------
 
 
@@ -134,7 +204,11 @@ def placed(template: Template) -> Array:
     found = []
     for name in template.names:
         half, _, side = name.partition(".")
-        x, y, z = NODES[template.id][half]
+        if template.id in NODES:
+            x, y, z = NODES[template.id][half]
+        else:
+            own = template.positions[template.node[half if half in template.node else f"{half}.R"]]
+            x, y, z = (own + WAYS[template.id].get(half, (0.0, 0.0, 0.0))).tolist()
         found.append((x, -y if side == "L" else y, z))
     return np.array(found, float)
 
@@ -170,7 +244,7 @@ def streamlined(network: Network) -> Network:
         half, _, side = template.names[joint.node].partition(".")
         if joint.crosses or side == "L":
             continue
-        if half in JOINTS[template.id]:
+        if half in JOINTS.get(template.id, {}):
             way, *lengths = JOINTS[template.id][half]
             speed = np.array(way) / np.linalg.norm(way)
         else:
@@ -191,7 +265,7 @@ def cornered(network: Network) -> Network:
     template = network.template
     chained = {max(edge, ~edge) for chain in template.chains for edge in chain.edges}
     tangents = {}
-    for half, (inner, outer) in CORNERS[template.id].items():
+    for half, (inner, outer) in CORNERS[kind_of(template)].items():
         node = template.node[f"{half}.R"]
         for edge in chained:
             start, end = template.edges[edge]

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
+from car_designs import NODES, kind_of
 from car_seen import TYRE, Car, Line, circle
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
@@ -224,7 +225,7 @@ def whole(half: list[tuple[float, float]]) -> Array:
 
 def lamp_lines(car: Car) -> Iterator[Line]:
     """The right headlamp and tail lamp, with what is inside them."""
-    kind = car.network.template.id
+    kind = kind_of(car.network.template)
     lamp = np.array(HEADLAMPS[kind], float)
     outline = curve(lamp, 120, closed=True) if kind == "hatchback" else polygon(lamp, 120)
     yield Line(at_corner(car, "S1.R", outline, rear=False), "lamp")
@@ -243,9 +244,10 @@ def lamp_lines(car: Car) -> Iterator[Line]:
 
 def front_lines(car: Car) -> Iterator[Line]:
     """Grille and intake with their bars, and a lip below; both sides."""
-    kind = car.network.template.id
+    kind = kind_of(car.network.template)
+    above = car.node("C1")[2] - NODES[kind]["C1"][2]
     for half in (GRILLES[kind], INTAKES[kind]):
-        outline = whole(half)
+        outline = whole(half) + np.array([0.0, above])
         yield Line(from_ahead(car, polygon(outline, 260)), "lamp")
         low, high = outline[:, 1].min(), outline[:, 1].max()
         for z in np.linspace(low, high, 6)[1:-1]:
@@ -259,7 +261,7 @@ def front_lines(car: Car) -> Iterator[Line]:
 
 def rear_lines(car: Car) -> Iterator[Line]:
     """Number plate, bumper, and the boot's gap; both sides."""
-    kind = car.network.template.id
+    kind = kind_of(car.network.template)
     top = car.node("C7")[2]
     plate = top - (300.0 if kind == "sedan" else 60.0)
     corners = [(-260, plate), (260, plate), (260, plate - 112), (-260, plate - 112)]
@@ -279,7 +281,7 @@ def styling(car: Car) -> dict[str, Array]:
     """Lines that a designer draws on the right side of the body, by name, (k, 3) mm."""
     foot, waist = car.node("S2.R"), car.node("S3.R")
     front, rear = car.wheels[0], car.wheels[2]
-    tail = car.node("S5.R" if car.network.template.id == "sedan" else "S6.R")
+    tail = car.node("S5.R" if kind_of(car.network.template) == "sedan" else "S6.R")
     start = front[0] + car.arch(front) + 20.0
     fall = [(tail[0] - 120, min(waist[2] - 70, tail[2] + 40)), (rear[0], waist[2] - 95)]
     fall += [(waist[0], waist[2] - 165), (start, 0.62 * foot[2] + 120)]

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
+from car_designs import kind_of
 from car_details import (
     arch_lines,
     both,
@@ -91,7 +92,7 @@ def pencil(sheet: Sheet, path: Array, role: str) -> None:
 
 def edge_lines(car: Car) -> Iterator[Line]:
     """Edges of the network that are lines on a car."""
-    sedan = car.network.template.id == "sedan"
+    sedan = kind_of(car.network.template) == "sedan"
     corner, last = ("S4", "S5") if sedan else ("S5", "S6")
     for side in "RL":
         for row in (

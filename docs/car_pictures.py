@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bozzetto_car.state import CarState, Sketch
 
 CARS = GALLERY / "car"
-DRAWN = ("sedan", "hatchback", "minivan")
+DRAWN = ("sedan", "hatchback", "minivan", "coupe", "estate", "suv", "pickup", "van")
 PANEL = (640, 400)
 """Size of one of six pictures, px: cut like the sketches."""
 
@@ -55,7 +55,8 @@ FAINT = 0.5
 
 LARGE = (1200, 750)
 LOOKS = {"sedan": (130.0, 12.0), "hatchback": (-140.0, 13.0), "minivan": (138.0, 17.0)}
-"""From where each car is seen best: angle from the tail and above the floor, degrees."""
+"""From where the cars with pictures in the text are seen best: angle from the tail and above the
+floor, degrees."""
 
 BEHIND = (-35.0, 16.0)
 """Where one looks at what a sketch of the front does not show."""
@@ -68,8 +69,8 @@ MARKED_FIRST = 12
 MARKED_LAST = 24
 """Marks that are set when a picture of the window is made."""
 
-DRAWN_FROM = {"sedan": 0, "hatchback": 0, "minivan": 1}
-"""The sketch through which the steps are seen."""
+DRAWN_FROM = {"minivan": 1}
+"""The sketch through which the steps are seen, where that is not the first."""
 
 
 def gallery() -> None:
@@ -79,10 +80,10 @@ def gallery() -> None:
 
 
 def bodies() -> None:
-    """What became of the drawn cars, one on dark paper; colours that tell more of a surface."""
+    """What became of three drawn cars, one on dark paper; colours that tell more of a surface."""
     from bozzetto.scene import DARK, LIGHT
 
-    for name in DRAWN:
+    for name in LOOKS:
         palette = DARK if name == "minivan" else LIGHT
         save(large(name, palette, "styling", look=LOOKS[name]), f"car-{name}.png", smooth=True)
     for shading in ("zebra", "curvature", "certainty"):
@@ -187,7 +188,7 @@ def strip(name: str) -> np.ndarray:
     size = (3 * width + 2 * GAP, 2 * (height + CAPTION) + GAP)
     sheet = Image.new("RGB", size, LIGHT.paper)
     pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(18)
-    for number, (scene, sketch_camera) in enumerate(steps(bench, model, DRAWN_FROM[name])):
+    for number, (scene, sketch_camera) in enumerate(steps(bench, model, DRAWN_FROM.get(name, 0))):
         pixels = picture(scene, camera=sketch_camera.view(PANEL), size=PANEL)[above:-below]
         row, column = divmod(number, 3)
         x, y = column * (width + GAP), row * (height + CAPTION + GAP)

@@ -19,6 +19,11 @@ PAINTS: Final[dict[str, Color]] = {
     "sedan": (226, 96, 52),
     "hatchback": (62, 148, 160),
     "minivan": (222, 168, 62),
+    "coupe": (196, 52, 62),
+    "estate": (84, 118, 176),
+    "suv": (112, 138, 84),
+    "pickup": (178, 120, 74),
+    "van": (120, 132, 142),
 }
 """Of the cars, and of what is behind them."""
 

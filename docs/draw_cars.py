@@ -21,14 +21,14 @@ from car_seen import Car, Seen
 from car_tones import tones
 from picture_kit import GALLERY
 
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import bundled
 
 CARS = GALLERY / "car"
 
 
 def main(names: list[str], folder: Path = CARS) -> int:
     """Draw all cars, or those that are named, into a folder."""
-    for name in names or PAPER_TEMPLATES:
+    for name in names or car_designs.VIEWS:
         network, cameras = car_designs.truth(bundled(name))
         car = Car.of(network)
         views, styled = [], []

@@ -13,6 +13,8 @@ class StandInHost:
         The selected object's state.
     next_step : callable, optional
         What `next_step` says of a state.
+    templates : sequence of TemplateFile
+        Those of plugins.
 
     Attributes
     ----------
@@ -20,8 +22,9 @@ class StandInHost:
         The same; another one may be put there.
     """
 
-    def __init__(self, state, next_step=None):
+    def __init__(self, state, next_step=None, templates=()):
         self.state = state
+        self.templates = templates
         self.labels, self.going, self.problems = [], [], []
         self.say_next = next_step
         self._callbacks = []

@@ -1,14 +1,22 @@
-"""Export of a car: its surfaces, its edges, and the styling curves."""
+"""Export of a car: what is seen of it, as parts with names and materials; its edges."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import chain
+
 import numpy as np
 
-from bozzetto.geometry import Curve, Shapes
+from bozzetto.geometry import Curve, Patchwork, Shapes
 from bozzetto_car.body.build import Body
+from bozzetto_car.body.wheels import on_tyres
+from bozzetto_car.parts.body_lines import body_lines
 from bozzetto_car.parts.closed_body import closed_body
+from bozzetto_car.parts.looks import GLASS, PAINT
 from bozzetto_car.parts.trim import shut_lines, trim_of
+from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.parts.wheels import wheels_of
+from bozzetto_car.parts.windows import inserts
 from bozzetto_car.state import CarState
 from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.scene import shown_styling
@@ -18,11 +26,11 @@ ONE_SPAN = np.repeat((0.0, 1.0), 4)
 
 
 def shapes_of(state: CarState, body: Body) -> Shapes:
-    """Return the body, unless it is hidden, and the visible styling curves.
+    """Return the car as it is seen: its body, its wheels, and the visible styling curves.
 
-    The body is one shell of surfaces; of a complete car it is a closed one, beside its trim, its
-    shut lines, and its wheels where these are shown. A car that nobody has begun exports nothing:
-    the template is nobody's design.
+    The body is one shell of surfaces; of a complete car it is a closed one, beside its panes,
+    lamps and trim, and its lines. Whatever is hidden stays out. A car that nobody has begun
+    exports nothing: the template is nobody's design.
 
     Raises
     ------
@@ -30,15 +38,27 @@ def shapes_of(state: CarState, body: Body) -> Shapes:
         If a complete body cannot be closed.
     """
     lines = styling_curves(state, body)
-    if not (state.body and state.is_begun):
+    if not state.is_begun:
         return Shapes(curves=lines)
+    network, nets = on_tyres(body.network, state.tyre), body.nets
+    sunk = state.complete and state.body
+    wheels = wheels_of(network, nets, state.tyre, sunk=sunk) if state.wheels else []
+    if not state.body:
+        return Shapes(curves=lines, breps=tuple(wheels))
     if not state.complete:
-        return Shapes(curves=lines, patchworks=(body.patchwork,))
-    network, nets = body.network, body.nets
-    wheels = wheels_of(network, nets) if state.wheels else []
+        return Shapes(curves=lines, patchworks=(_panels(body),), breps=tuple(wheels))
     trim = trim_of(network, nets, with_mirrors=state.mirrors)
-    shut = (Curve(3, ONE_SPAN, points, name=name) for name, points in shut_lines(network, nets))
-    return Shapes(curves=(*lines, *shut), breps=(closed_body(network, nets), *wheels, *trim))
+    drawn = chain(shut_lines(network, nets), body_lines(network, nets, cut_panels(network, nets)))
+    lines += tuple(Curve(3, ONE_SPAN, points, name=name) for name, points in drawn)
+    solids = (closed_body(network, nets), *inserts(network, nets), *wheels, *trim)
+    return Shapes(curves=lines, breps=solids)
+
+
+def _panels(body: Body) -> Patchwork:
+    """Return the surfaces with the material of each panel; paint is of the object's colour."""
+    paint = PAINT._replace(color=None)
+    looks = (GLASS if patch.glass else paint for patch in body.template.patches)
+    return replace(body.patchwork, patch_looks=tuple(looks))
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:

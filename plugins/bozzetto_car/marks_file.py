@@ -6,19 +6,20 @@ A file is not trusted: every number and name is checked, and every refusal names
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.ink import PIXELS, Stroke, Strokes, a_list, a_number, a_point, an_object, point_rows
-from bozzetto.plugin import Job
+from bozzetto.plugin import Job, TemplateFile
 from bozzetto.scene import Picture
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.report import SHORT
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
 from bozzetto_car.styling.curve import project_stroke
+from bozzetto_car.template.kept_templates import plugin_template
 from bozzetto_car.template.loader import TEMPLATES, read_template
 
 MOST_SKETCHES: Final = 8
@@ -59,16 +60,20 @@ def car_of_template(facts: Mapping[str, Any]) -> CarState:
 
 
 def car_from_facts(
-    facts: Mapping[str, Any], pictures: Mapping[str, Picture], job: Job | None = None
+    facts: Mapping[str, Any],
+    pictures: Mapping[str, Picture],
+    job: Job | None = None,
+    brought: Sequence[TemplateFile] = (),
 ) -> CarState:
     """Return the car of a file.
 
     Parameters
     ----------
     facts : mapping
-        ``"template"``: one of `TEMPLATES`, such as ``"sedan"``, or a template of one's own
-        (an object); ``"views"``: a list of objects with ``"marks"``: ``{node: [u, v]}``,
-        ``"kind"``, ``"cropped"``, ``"strokes"``: ``{edge: [[u, v], …]}``, ``"image"``,
+        ``"template"``: one of `TEMPLATES`, such as ``"sedan"``, the name of one that a plugin
+        brings, or a template of one's own (an object);
+        ``"views"``: a list of objects with ``"marks"``: ``{node: [u, v]}``, ``"kind"``,
+        ``"cropped"``, ``"strokes"``: ``{edge: [[u, v], …]}``, ``"image"``,
         ``"name"``; ``"image"``: ``{"width", "height", "file"}`` for views that have none;
         ``"dimensions"``: ``{"LN", "WD", "HG", "FO", "WB"}``, mm; ``"styling"``: a list of
         ``{"view", "points", "name"}``.
@@ -76,6 +81,8 @@ def car_from_facts(
         Pictures by the names of their files.
     job : Job, optional
         Asked before each styling curve: for the first one the car is solved.
+    brought : sequence of TemplateFile
+        Templates of plugins.
 
     Raises
     ------
@@ -85,7 +92,7 @@ def car_from_facts(
     views = a_list(facts.get("views"), "views", MOST_SKETCHES)
     if not views:
         raise UserError("“views” is empty. Give at least one view with its marks.")
-    state = _of_template(facts.get("template", "sedan"))
+    state = _of_template(facts.get("template", "sedan"), brought)
     edits: list[TracedEdges] = []
     for number, value in enumerate(views):
         where = f"views[{number}]"
@@ -106,13 +113,17 @@ def car_from_facts(
     return state
 
 
-def _of_template(value: object) -> CarState:
+def _of_template(value: object, brought: Sequence[TemplateFile]) -> CarState:
     if isinstance(value, Mapping):
         return CarState(own=json.dumps(value), template="own")
     known = next((name for name in TEMPLATES if name == value), None)
-    if known is None:
-        raise UserError(f"“template” is one of {', '.join(TEMPLATES)}, or a template itself.")
-    return CarState(template=known)
+    if known is not None:
+        return CarState(template=known)
+    file = next((file for file in brought if file.name == value), None)
+    if file is not None:
+        return CarState(own=plugin_template(file).source, template="own")
+    names = ", ".join((*TEMPLATES, *(file.name for file in brought)))
+    raise UserError(f"“template” is one of {names}, or a template itself.")
 
 
 def _sketch(

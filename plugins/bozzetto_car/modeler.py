@@ -143,7 +143,7 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def report(self, state: CarState, result: Body, job: Job) -> Mapping[str, Any]:
         """Return nodes, cameras, residuals, constraints, creases and dimensions."""
-        return report_of(result, state.edits, job)
+        return report_of(result, state.edits, job, state.tyre)
 
     @override
     def cautions(self, state: CarState, result: Body) -> tuple[Caution, ...]:
@@ -190,7 +190,7 @@ class Car(PartsModeler[CarState, Body]):
 
 def _car_of(context: Context, job: Job) -> CarState:
     if is_car_file(context.facts):
-        return car_from_facts(context.facts, context.pictures, job)
+        return car_from_facts(context.facts, context.pictures, job, context.templates)
     if is_template_file(context.facts):
         return car_of_template(context.facts)
     return CarState()

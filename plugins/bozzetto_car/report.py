@@ -14,6 +14,7 @@ from bozzetto.view.calibration import Parts, direct_linear_transform
 from bozzetto_car.body.build import Body
 from bozzetto_car.body.edit_list import Edits
 from bozzetto_car.body.stroke_distances import stroke_distances
+from bozzetto_car.body.wheels import RIM, WIDTH, Proportions, on_tyres
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.marking.next_mark import NO_CAR
@@ -47,12 +48,15 @@ FIGURES: Final[Mapping[str, Figure]] = {
     "WD": Figure("Width", "Without mirrors", "mm", digits=0),
     "HG": Figure("Height", "From the ground to the roof", "mm", digits=0),
     "FO": Figure("Front overhang", "Nose to front wheel", "mm", digits=0),
+    "diameter": Figure("Wheel", "Diameter of the tyre", "mm", digits=0),
+    "rim": Figure("Rim", "Diameter of the rim", "mm", digits=0),
+    "width": Figure("Tyre", "Width of the tyre", "mm", digits=0),
     "WB": Figure("Wheelbase", "Front wheel to rear wheel", "mm", digits=0),
 }
 """The words of the report; `Modeler.figures`."""
 
 
-def report_of(body: Body, edits: Edits, job: Job) -> dict[str, Any]:
+def report_of(body: Body, edits: Edits, job: Job, tyre: str = "") -> dict[str, Any]:
     """Report nodes, cameras, residuals, constraints, creases and dimensions.
 
     Parameters
@@ -63,6 +67,8 @@ def report_of(body: Body, edits: Edits, job: Job) -> dict[str, Any]:
         Those that it was made with; their strokes are compared with it.
     job : Job
         Looked at before each sketch.
+    tyre : str
+        Size of its tyres, "" for wheels as drawn.
 
     Returns
     -------
@@ -72,6 +78,8 @@ def report_of(body: Body, edits: Edits, job: Job) -> dict[str, Any]:
         ``"leave_one_out_px"`` by node, ``"disagreeing"``, and ``"stroke_px"`` by edge;
         ``"constraints"``: the least slack of each soundness constraint that is switched on, mm;
         ``"crease_deg"`` by edge; ``"dimensions"``: ``LN``, ``WD``, ``HG``, ``FO``, ``WB``, mm;
+        ``"wheels"``: ``"front"`` and ``"rear"``, each with ``"diameter"``, ``"width"`` and
+        ``"rim"``, mm;
         ``"known"``: by node ``"seen"``, ``"mirrored"`` or ``"guessed"``; ``"next_view"``: the
         further sketch that would tell most; ``"warnings"``.
     """
@@ -90,6 +98,7 @@ def report_of(body: Body, edits: Edits, job: Job) -> dict[str, Any]:
         "constraints": solved.soundness.least(variables),
         "crease_deg": {name: float(angle) for name, angle in angles if np.isfinite(angle)},
         "dimensions": _dimensions(body),
+        "wheels": _wheels(body, tyre),
         "unit": "mm",
     }
     if solved.joint is not None:
@@ -102,6 +111,20 @@ def report_of(body: Body, edits: Edits, job: Job) -> dict[str, Any]:
                                  "after_mm": views[0].after}  # fmt: skip
     report["warnings"] = [caution.message for caution in cautions_of(body)]
     return report
+
+
+def _wheels(body: Body, tyre: str) -> dict[str, dict[str, float]]:
+    """Return the sizes of the wheels, mm: as they are written on their tyres, or as drawn."""
+    network, sizes = on_tyres(body.network, tyre), Proportions.of(tyre)
+    radii = network.positions[network.template.wheels[:, 0], 2].tolist()
+    return {
+        where: {
+            "diameter": 2.0 * radius,
+            "width": WIDTH * sizes.width * radius,
+            "rim": 2.0 * RIM * sizes.rim * radius,
+        }
+        for where, radius in zip(("front", "rear"), radii, strict=True)
+    }
 
 
 UNSOUND: Final = 1e-9

@@ -22,6 +22,7 @@ from bozzetto.scene import Picture
 from bozzetto_car.dimensions import LONGEST, Dimensions
 from bozzetto_car.template.line_joints import LineJoint
 from bozzetto_car.template.loader import Bundled, bundled_file
+from bozzetto_car.tyre_size import tyre_size
 
 Point = tuple[float, float, float]
 Color = tuple[int, int, int]
@@ -386,8 +387,8 @@ class CarState(PartsState):
     complete: Annotated[
         bool,
         Parameter("Complete car",
-                  help="Hand over a closed body with panes, wheel arches and a floor, and wheels, "
-                  "instead of its surfaces alone."),
+                  help="Hand over a closed body with wheel arches and a floor, panes, lamps and "
+                  "trim, instead of its surfaces."),
     ] = False  # fmt: skip
     mirrors: Annotated[
         bool,
@@ -400,6 +401,11 @@ class CarState(PartsState):
     creases: Annotated[
         bool, Parameter("Creases", help="Show by how many degrees surfaces meet at an angle.")
     ] = False
+    tyre: Annotated[
+        str,
+        Parameter("Tyres",
+                  help="Size of the tyres, such as 205/55 R16; empty for wheels as drawn."),
+    ] = ""  # fmt: skip
     length: Annotated[float, _dimension("Length", "From nose to tail.")] = 0.0
     width: Annotated[float, _dimension("Width", "Without mirrors.")] = 0.0
     height: Annotated[float, _dimension("Height", "From the ground.")] = 0.0
@@ -438,6 +444,9 @@ class CarState(PartsState):
         bool,
         _advanced("Direct transform", "Show the marks as the direct linear transform sees them."),
     ] = False
+
+    def __post_init__(self) -> None:
+        tyre_size(self.tyre)  # what is no size is refused
 
     # -- parts --
 

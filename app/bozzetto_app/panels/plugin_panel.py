@@ -20,6 +20,7 @@ from bozzetto_app.workers.time_limit import in_time
 if TYPE_CHECKING:
     from bozzetto.document.model import Model
     from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.host.listing import TemplateFile
     from bozzetto.plugin.next_step import NextStep
     from bozzetto_app.session.session import Session
 
@@ -54,6 +55,10 @@ class _Host:
             return self._session.hints.step
         title = self._session.registry.info(self._modeler).title
         return NextStep(tr("PluginPanel", "Take {title} at the top right to go on.", title=title))
+
+    @property
+    def templates(self) -> tuple[TemplateFile, ...]:
+        return self._session.registry.templates(self._modeler)
 
     def change(self, state: Any, label: str, *, going: bool = False) -> None:
         session, model = self._session, self._model

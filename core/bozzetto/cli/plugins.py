@@ -71,7 +71,7 @@ def _check(package: str) -> int:
     for finding in findings:
         print(finding)
     if not any(finding.serious for finding in findings):
-        fine = "the file is" if is_file else "manifest, icons, import and contract are"
+        fine = "the file is" if is_file else "manifest, files, import and contract are"
         print(f"{package}: {fine} in order{', but see above' if findings else ''}.")
     return EXIT_ERROR if any(finding.serious for finding in findings) else 0
 

@@ -470,7 +470,7 @@ def _notes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ..
     if wanted.uvs and "uvs" not in chosen.heeds:
         found.append(f"{chosen.short} files get no places for a picture (UVs). GLB, USD, OBJ do.")
     if wanted.separate_parts and "separate_parts" not in chosen.heeds:
-        found.append(f"{chosen.short} files hold objects whole. GLB, USD and OBJ part them.")
+        found.append(f"{chosen.short} files hold objects whole. GLB, USD, OBJ and 3MF part them.")
     if wanted.curves_alone and "curves" not in chosen.holds:
         found.append(f"{chosen.short} files hold no curves, so that the surfaces are in it.")
     if "bones" in chosen.keeps and "motions" not in chosen.keeps:

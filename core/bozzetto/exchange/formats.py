@@ -138,7 +138,7 @@ FORMATS: Final = (
         True,
         False,
         "mesh.threemf",
-        PAINTED,
+        (*PAINTED, "parts"),
         choices=UNIT,
     ),
     Format(

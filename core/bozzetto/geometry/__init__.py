@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from bozzetto.arrays import frozen as frozen
     from bozzetto.geometry.brep.brep import Brep as Brep
     from bozzetto.geometry.brep.brep import Face as Face
-    from bozzetto.geometry.brep.brep import Finish as Finish
     from bozzetto.geometry.brep.brep import GapError as GapError
     from bozzetto.geometry.brep.brep import ParameterCurve as ParameterCurve
     from bozzetto.geometry.brep.brep import Trim as Trim
@@ -29,6 +28,8 @@ if TYPE_CHECKING:
     from bozzetto.geometry.curve import Curve as Curve
     from bozzetto.geometry.curve_flattening import FLATNESS as FLATNESS
     from bozzetto.geometry.curve_flattening import flattened as flattened
+    from bozzetto.geometry.look import Finish as Finish
+    from bozzetto.geometry.look import Look as Look
     from bozzetto.geometry.mesh import Mesh as Mesh
     from bozzetto.geometry.mesh_places import MeshPlaces as MeshPlaces
     from bozzetto.geometry.mesh_places import closest_on_mesh as closest_on_mesh
@@ -61,7 +62,7 @@ else:
         __name__,
         {
             "bozzetto.arrays": "frozen",
-            "bozzetto.geometry.brep.brep": "Brep Face Finish GapError ParameterCurve Trim",
+            "bozzetto.geometry.brep.brep": "Brep Face GapError ParameterCurve Trim",
             "bozzetto.geometry.brep.planes": "plane_face",
             "bozzetto.geometry.brep.revolution": "cylinder surface_of_revolution",
             "bozzetto.geometry.brep.ruled": "ruled_surface",
@@ -73,6 +74,7 @@ else:
             "bozzetto.geometry.corner_normals": "CornerNormals",
             "bozzetto.geometry.curve": "Color Curve",
             "bozzetto.geometry.curve_flattening": "FLATNESS flattened",
+            "bozzetto.geometry.look": "Finish Look",
             "bozzetto.geometry.mesh": "Mesh",
             "bozzetto.geometry.mesh_places": "MeshPlaces closest_on_mesh face_normals mesh_points",
             "bozzetto.geometry.patches.patchwork": "Patchwork",

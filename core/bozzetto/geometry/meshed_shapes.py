@@ -9,6 +9,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from bozzetto.geometry.brep.tessellation import counted_mesh
+from bozzetto.geometry.look import Look
 from bozzetto.geometry.patches.tessellation import counted_patches
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Solid, Surface
 
@@ -43,21 +44,26 @@ def meshed(shapes: Shapes) -> Shapes:
 
 
 def _surface(patchwork: Patchwork) -> Surface:
-    """Return triangles of patches, with a group for each row of patches of one name."""
+    """Return triangles of patches, with a group for each row of patches of one name and look."""
     mesh, counts = counted_patches(patchwork)
+    names, looks = patchwork.patch_names, patchwork.patch_looks
+    rows = []
+    if names or looks:
+        names, looks = names or ("",) * len(counts), looks or (Look(),) * len(counts)
+        rows = list(zip(zip(names, looks, strict=True), counts, strict=True))
     groups = tuple(
-        FaceGroup(name, sum(count for _, count in row))
-        for name, row in groupby(zip(patchwork.patch_names, counts, strict=False), itemgetter(0))
+        FaceGroup(name, sum(count for _, count in row), *look)
+        for (name, look), row in groupby(rows, itemgetter(0))
     )
     return Surface(mesh, patchwork.name, patchwork.color, groups)
 
 
 def _groups(brep: Brep, counts: Sequence[int]) -> tuple[FaceGroup, ...]:
     """Return a group for every row of faces of one name and look; none where all are plain."""
-    looks = [(face.name or brep.name, face.color, face.finish) for face in brep.faces]
-    if set(looks) == {(brep.name, None, "matt")}:
+    looks = [(f.name or brep.name, Look(f.color, f.finish, f.material)) for f in brep.faces]
+    if set(looks) == {(brep.name, Look())}:
         return ()
     return tuple(
-        FaceGroup(name, sum(count for _, count in row), color, finish)
-        for (name, color, finish), row in groupby(zip(looks, counts, strict=True), itemgetter(0))
+        FaceGroup(name, sum(count for _, count in row), *look)
+        for (name, look), row in groupby(zip(looks, counts, strict=True), itemgetter(0))
     )

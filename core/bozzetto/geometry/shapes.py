@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from bozzetto.arrays import frozen
 from bozzetto.geometry.brep.brep import Brep
-from bozzetto.geometry.brep.brep import Finish as Finish
 from bozzetto.geometry.corner_normals import CornerNormals
 from bozzetto.geometry.curve import Color as Color
 from bozzetto.geometry.curve import Curve as Curve
+from bozzetto.geometry.look import Finish as Finish
 from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.rig import Skin
@@ -37,12 +37,16 @@ class FaceGroup:
         sRGB; None for that of the part. The colours of the mesh's vertices come before it.
     finish : {"matt", "gloss", "rubber", "metal", "glass"}
         Of what it is made, for files that know materials.
+    material : str
+        Name of the material in such files, one for all that have it; "" for a material that is
+        called like the group.
     """
 
     name: str
     count: int
     color: Color | None = None
     finish: Finish = "matt"
+    material: str = ""
 
 
 @dataclass(frozen=True)

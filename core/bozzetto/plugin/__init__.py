@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from bozzetto.lazy_names import lazy_names
 
-API_VERSION = (2, 3)
+API_VERSION = (2, 4)
 """Version of this contract: a plugin's manifest names the range it was written for."""
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from bozzetto.plugin.gesture import Ink as Ink
     from bozzetto.plugin.gesture import Tap as Tap
     from bozzetto.plugin.hooks import hookimpl as hookimpl
+    from bozzetto.plugin.host.listing import TemplateFile as TemplateFile
     from bozzetto.plugin.job import Job as Job
     from bozzetto.plugin.modeler import Modeler as Modeler
     from bozzetto.plugin.next_step import NextStep as NextStep
@@ -59,6 +60,7 @@ else:
             "bozzetto.plugin.figures": "Figure",
             "bozzetto.plugin.gesture": "Drag Gesture Ink Tap",
             "bozzetto.plugin.hooks": "hookimpl",
+            "bozzetto.plugin.host.listing": "TemplateFile",
             "bozzetto.plugin.job": "Job",
             "bozzetto.plugin.modeler": "Modeler",
             "bozzetto.plugin.next_step": "NextStep",

@@ -19,6 +19,7 @@ from bozzetto.view.rotations import triple
 if TYPE_CHECKING:
     from bozzetto.geometry.placement import Placement
     from bozzetto.ink.stroke import Stroke
+    from bozzetto.plugin.host.listing import TemplateFile
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,9 @@ class Context:
         this model was solved last; mm, in the frame of the model, as `Job.sources`. Empty before.
     file : str
         Name, without its ending, of the file that a command writes (`Command.writes`); else "".
+    templates : sequence of TemplateFile
+        Files that plugins bring for models of this modeler to begin with, where one is read from a
+        file; see ``[templates]`` of the manifest.
     """
 
     camera: Camera = field(default_factory=Camera)
@@ -88,6 +92,7 @@ class Context:
     alone: bool = False
     sources: Mapping[str, Shapes] = field(default_factory=dict)
     file: str = ""
+    templates: Sequence[TemplateFile] = ()
 
     @property
     def has_surface(self) -> bool:

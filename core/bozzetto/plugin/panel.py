@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from bozzetto.errors import UserError
     from bozzetto.plugin.commands import Command
+    from bozzetto.plugin.host.listing import TemplateFile
     from bozzetto.plugin.next_step import NextStep
 
 
@@ -25,6 +26,14 @@ class PanelHost(Protocol):
     @property
     def next_step(self) -> NextStep:
         """Next step, as every other place of the window says it; see `Modeler.next_step`."""
+        ...
+
+    @property
+    def templates(self) -> Sequence[TemplateFile]:
+        """Files that plugins bring for models of this modeler to begin with; nobody has read them.
+
+        See ``[templates]`` of the manifest.
+        """
         ...
 
     def change(self, state: Any, label: str, *, going: bool = False) -> None:

@@ -240,14 +240,14 @@ def check_parameters(subject: Subject) -> None:
         for field in _all_parameters(shell):
             _check_default(field)
             for value in _allowed(field):
-                model = shell.workbench.set_parameters(start, {field.name: value})
                 try:
+                    model = shell.workbench.set_parameters(start, {field.name: value})
                     result = shell.workbench.solve(model, _job("preview"))
                     shell.workbench.model_scene(model, result)
                 except (UserError, PluginFault) as problem:
                     refused = isinstance(problem, UserError) and bool(problem.message.strip())
-                    if refused and field.kind == "choice" and value != field.default:
-                        continue  # a choice need not make sense for every drawing
+                    if refused and field.kind in ("choice", "text") and value != field.default:
+                        continue  # a choice, or a text, need not make sense for every drawing
                     raise Broken(f"{field.name} = {value!r}: {problem}") from problem
 
 

@@ -46,7 +46,7 @@ def _nobody(_: str) -> None:
 
 
 def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list[Finding]:
-    """Check a plugin: manifest, icons, import, hooks, modelers, and the whole contract.
+    """Check a plugin: manifest, icons, templates, import, hooks, modelers, and the whole contract.
 
     Parameters
     ----------
@@ -75,6 +75,9 @@ def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list
     info = registry.add_package(package)
     if info.status == "broken":
         return [*findings, Finding(True, manifest.id, info.fault)]
+    findings += _check_templates(registry, folder, manifest)
+    if not manifest.modelers:
+        return findings
     with suppress(UserError, PluginFault):  # told below, of each modeler
         registry.modeler(manifest.modelers[0].id)
     findings += _check_classes(package)
@@ -137,6 +140,32 @@ def icon_fault(path: Path) -> str:
             if name.lower().startswith("on") or outside or "url(http" in value.lower():
                 found.append(name)
     return f"an icon must not contain {', '.join(found)}" if found else ""
+
+
+def _check_templates(registry: Registry, folder: Path, manifest: Manifest) -> list[Finding]:
+    """Return what is wrong with templates, as the plugins say whose modelers these are for."""
+    findings = []
+    for modeler_id, files in manifest.templates.items():
+        absent = registry.standing(modeler_id).status == "absent"
+        if absent:
+            told = f"no plugin here has this modeler, and {', '.join(files)} could not be checked"
+            findings.append(Finding(False, modeler_id, told))
+        for file in files:
+            if not (folder / file).is_file():
+                findings.append(Finding(True, file, "this template is missing"))
+            elif not absent:
+                findings += _template_faults(registry, folder / file, file)
+    return findings
+
+
+def _template_faults(registry: Registry, path: Path, file: str) -> list[Finding]:
+    try:
+        faults = registry.faults_in(path)
+    except (UserError, PluginFault) as problem:
+        faults = [str(problem)]
+    if faults is None:
+        faults = ["no plugin knows this kind of file"]
+    return [Finding(True, file, fault) for fault in faults]
 
 
 def _check_classes(package: str) -> list[Finding]:

@@ -91,6 +91,7 @@ class ModelSources:
             facts=drawing.facts,
             pictures=drawing.pictures,
             drawings=drawing.drawings,
+            templates=self._bench.registry.templates(modeler_id),
         )
         job = job or Job()
         begun = self.begun(modeler_id, drawing, context, job, on)

@@ -2,22 +2,25 @@
 
 A template has no wheel arches: its panels run down to the sill, and wheels stand inside them. So
 the outer face of a wheel is set just outside the panel beside it, and the gap below the arch is a
-dark band on the panel around it. Exports hold none of this.
+dark band on the panel around it.
 """
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches import bernstein, grid
+from bozzetto.plugin import remembered
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
+from bozzetto_car.tyre_size import TyreSize, tyre_size
 
 Color = tuple[int, int, int, int]
 Piece = tuple[Array, Array, NDArray[np.integer[Any]], Array]
@@ -38,6 +41,12 @@ TURNED: Final[tuple[tuple[Color, tuple[tuple[float, float], ...]], ...]] = (
 )  # fmt: skip
 """Parts turned about the axle: colour and section, as distances from the axle and places along
 it, per radius of the wheel. The outermost place is 0, inward is below."""
+
+RIM: Final = 0.70
+"""Where a tyre begins in these sections: radius of the rim per radius of the wheel."""
+
+WIDTH: Final = 0.62
+"""Width of the tyre in these sections, per radius of the wheel."""
 
 SPOKES: Final = 10
 
@@ -74,13 +83,73 @@ MET: Final = 0.1
 OVER_EDGE: Final = 1e-3
 """How far beyond its border a patch counts, in u and v, so that there is no slit between two."""
 
+REMEMBERED: Final = 8
+"""Number of cars on tyres, and of sizes of wheels, that are remembered."""
+
 OVER_HULL: Final = 0.05
 """How far a patch may reach beyond its control points there, as a share of their box: more than
 six times `OVER_EDGE` on each axis, for the weights of control points are within −3 and 1 + 3
 times it."""
 
 
-def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
+def on_tyres(network: Network, tyre: str) -> Network:
+    """Return a car that stands on tyres of a size (`tyre_size`): its axles are as high as these.
+
+    Parameters
+    ----------
+    network : Network
+        The car; its wheels stand on the ground, so that their height is their radius.
+    tyre : str
+        "" for the wheels as they are.
+    """
+    size = tyre_size(tyre)
+    return network if size is None else _on_tyres(network, size)
+
+
+@remembered(limit=REMEMBERED)
+def _on_tyres(network: Network, size: TyreSize) -> Network:
+    positions = network.positions.copy()
+    positions[network.template.wheels.ravel(), 2] = 0.5 * size.diameter
+    return replace(network, positions=positions)
+
+
+@dataclass(frozen=True)
+class Proportions:
+    """Sizes of a wheel relative to those of the sections.
+
+    Parameters
+    ----------
+    rim : float
+        Radius of the rim per `RIM` radii of the wheel.
+    width : float
+        Width of the tyre per `WIDTH` radii of the wheel.
+    """
+
+    rim: float = 1.0
+    width: float = 1.0
+
+    @classmethod
+    def of(cls, tyre: str) -> Self:
+        """Return those of a size of tyres; of the sections themselves where it is ""."""
+        size = tyre_size(tyre)
+        if size is None:
+            return cls()
+        return cls(size.rim / (RIM * size.diameter), 2.0 * size.width / (WIDTH * size.diameter))
+
+    def section(self, places: ArrayLike) -> Array:
+        """Return places of a section, distance from the axle and way along it, (k, 2)."""
+        away, along = np.asarray(places, float).T
+        beyond = (1.0 - RIM * self.rim) / (1.0 - RIM) * (away - RIM) + RIM * self.rim
+        sized = np.where(away <= RIM, self.rim * away, beyond)
+        return np.stack((away if self.rim == 1.0 else sized, self.width * along), axis=1)
+
+    @property
+    def spokes(self) -> Array:
+        """Rows of a spoke as in `SPOKE`, (k, 3)."""
+        return np.asarray(np.array(SPOKE) * (self.rim, self.rim, self.width))
+
+
+def wheel_meshes(network: Network, nets: Array, tyre: str = "") -> tuple[Mesh, ...]:
     """Return the meshes of the right and the left wheels with the gaps below their arches.
 
     Parameters
@@ -89,11 +158,15 @@ def wheel_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
         The car; its wheels stand on the ground, so that their height is their radius.
     nets : (k, 4, 4, 3) array_like
         The patches of the body, mm.
+    tyre : str
+        Size of its tyres; "" for those of the sections.
     """
     pieces: list[Piece] = []
+    sizes = Proportions.of(tyre)
     wheels = _wheels(network)
-    for (centre, radius), (face, band) in zip(wheels, _beside(nets, wheels), strict=True):
-        vertices, normals, faces, colors = _unit_wheel()
+    for (centre, radius), (reach, band) in zip(wheels, _beside(nets, wheels), strict=True):
+        vertices, normals, faces, colors = _unit_wheel(sizes)
+        face = reach + DEEPEST * sizes.width * radius
         placed = vertices * radius + (centre[0], face, centre[2])
         pieces += [(placed, normals, faces, colors), *_gap(band)]
     if not pieces:
@@ -106,8 +179,8 @@ def wheel_places(network: Network, nets: Array) -> list[tuple[Array, float, floa
     """Return centre, radius and the reach of the panel beside it, mm, of the right wheels."""
     wheels = _wheels(network)
     return [
-        (centre, radius, face - DEEPEST * radius - LAID)
-        for (centre, radius), (face, _) in zip(wheels, _beside(nets, wheels), strict=True)
+        (centre, radius, reach - LAID)
+        for (centre, radius), (reach, _) in zip(wheels, _beside(nets, wheels), strict=True)
     ]
 
 
@@ -121,8 +194,9 @@ def _wheels(network: Network) -> list[tuple[Array, float]]:
 
 
 def _beside(nets: Array, wheels: list[tuple[Array, float]]) -> list[tuple[float, Array]]:
-    """Return the y of the outer face of each wheel, mm, and the circles (c, n, 3) of its gap.
+    """Return how far the panel beside each wheel reaches, mm, and the circles (c, n, 3) of its gap.
 
+    Both are `LAID` outside the panel.
     Places on the circles where there is no panel are NaN.
     """
     if not wheels:
@@ -135,9 +209,9 @@ def _beside(nets: Array, wheels: list[tuple[Array, float]]) -> list[tuple[float,
     z = centres[:, 2, None, None] + circles * np.sin(ring)
     y = _panel(nets, np.stack((x.ravel(), z.ravel()), axis=1)).reshape(x.shape) + LAID
     places, found = np.stack((x, y, z), axis=-1), []
-    for (centre, radius), felt, own in zip(wheels, y[:, :-1], places, strict=True):
-        face = float(np.max(felt[np.isfinite(felt)], initial=float(centre[1])))
-        found.append((face + DEEPEST * radius, own[len(FELT) :]))
+    for (centre, _), felt, own in zip(wheels, y[:, :-1], places, strict=True):
+        reach = float(np.max(felt[np.isfinite(felt)], initial=float(centre[1])))
+        found.append((reach, own[len(FELT) :]))
     return found
 
 
@@ -216,13 +290,13 @@ def _gap(band: Array) -> list[Piece]:
 # -- a wheel ---------------------------------------------------------------------------------------
 
 
-@cache
-def _unit_wheel() -> Piece:
+@lru_cache(maxsize=REMEMBERED)
+def _unit_wheel(sizes: Proportions) -> Piece:
     """Return a right wheel of radius 1 whose outer face is at y = 0."""
-    spoke = _spoke()
+    spoke = _spoke(sizes)
     turns = np.arange(SPOKES) * 2.0 * np.pi / SPOKES
     spokes = [_turned_about(spoke, float(turn)) for turn in turns]
-    return _joined([*(_turned(color, np.array(line)) for color, line in TURNED), *spokes])
+    return _joined([*(_turned(color, sizes.section(line)) for color, line in TURNED), *spokes])
 
 
 def _turned(color: Color, section: Array) -> Piece:
@@ -246,11 +320,11 @@ def _turned(color: Color, section: Array) -> Piece:
     return vertices.reshape(-1, 3), normals.reshape(-1, 3), faces, _paint(color, vertices.size // 3)
 
 
-def _spoke() -> Piece:
+def _spoke(sizes: Proportions) -> Piece:
     """Return a spoke along x: a face and two flanks."""
-    away, half, along = np.array(SPOKE).T
+    away, half, along = sizes.spokes.T
     low, high = np.stack((away, along, -half), 1), np.stack((away, along, half), 1)
-    deep = np.array((0.0, -SPOKE_DEPTH, 0.0))
+    deep = np.array((0.0, -SPOKE_DEPTH * sizes.width, 0.0))
     strips = (
         (METAL, low, high), (SHADED_METAL, high, high + deep), (SHADED_METAL, low + deep, low)
     )  # fmt: skip

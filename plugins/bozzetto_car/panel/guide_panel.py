@@ -166,7 +166,7 @@ class GuidePanel(PanelScroll):
         column = QVBoxLayout(whole)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(6)
-        self.templates = TemplatePictures(whole)
+        self.templates = TemplatePictures(self._host.templates, whole)
         self.templates.chosen.connect(self._choose_template)
         self.templates.refused.connect(self._host.complain)
         column.addWidget(self.templates)

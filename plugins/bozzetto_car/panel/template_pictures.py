@@ -1,4 +1,4 @@
-"""Pictures of the templates to choose from: the bundled ones, and those that a person keeps.
+"""Pictures of the templates to choose from: bundled ones, those of plugins, and a person's own.
 
 A thread reads what is kept and draws the pictures.
 """
@@ -6,7 +6,7 @@ A thread reads what is kept and draws the pictures.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -27,14 +27,19 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QAbstractButton, QGridLayout, QSizePolicy, QWidget
 
 from bozzetto.errors import UserError
-from bozzetto.plugin import override
+from bozzetto.plugin import TemplateFile, override
 from bozzetto.scene import Palette
 from bozzetto_app.toolkit import PanelWorker, palette_of
 from bozzetto_car.panel.car_picture import Pose, SmallCar, small_car
 from bozzetto_car.panel.colors import role
 from bozzetto_car.solver.pipeline import template_of
 from bozzetto_car.state import CarState
-from bozzetto_car.template.kept_templates import KeptTemplate, forget_template, kept_templates
+from bozzetto_car.template.kept_templates import (
+    KeptTemplate,
+    forget_template,
+    kept_templates,
+    plugin_template,
+)
 from bozzetto_car.template.loader import TEMPLATES, bundled, bundled_title
 from bozzetto_car.template.model import Template, article_of, noun_of
 
@@ -79,17 +84,26 @@ class Drawn:
         Of the template.
     car : SmallCar
     kept : KeptTemplate or None
-        None for a bundled one, and for one that is the car's only.
+        None for a bundled one, one of a plugin, and one that is the car's only.
+    plugin : str
+        Name of the plugin that brings it; "" for others.
     """
 
     key: str
     title: str
     car: SmallCar
     kept: KeptTemplate | None = None
+    plugin: str = ""
 
 
 class TemplatePictures(QWidget):
-    """Pictures of the bundled templates, those that the person keeps, and the car's own.
+    """Pictures of the bundled templates, those of plugins and of the person, and the car's own.
+
+    Parameters
+    ----------
+    brought : sequence of TemplateFile
+        Those of plugins; of one that cannot be used is told why, once.
+    parent : QWidget
 
     Signals
     -------
@@ -102,8 +116,10 @@ class TemplatePictures(QWidget):
     chosen = Signal(str, str)
     refused = Signal(object)
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, brought: Sequence[TemplateFile], parent: QWidget) -> None:
         super().__init__(parent)
+        self._brought = tuple(brought)
+        self._told: set[str] = set()
         self.setObjectName("car-guide-templates")
         self.setAccessibleName("Templates")
         self._work = PanelWorker(self)
@@ -145,8 +161,12 @@ class TemplatePictures(QWidget):
 
     # -- the buttons -------------------------------------------------------------------------------
 
-    def _add(self, key: str, title: str, kept: KeptTemplate | None = None) -> None:
+    def _add(
+        self, key: str, title: str, kept: KeptTemplate | None = None, plugin: str = ""
+    ) -> None:
         button = PictureButton(title, self)
+        if plugin:
+            button.setToolTip(f"{button.toolTip()}. From the plugin {plugin}")
         button.clicked.connect(partial(self._choose, key))
         if kept is not None:
             button.offer(FORGET, partial(self._forget, kept))
@@ -166,7 +186,7 @@ class TemplatePictures(QWidget):
             self._drop(key)
         for one in drawn:
             if one.key not in self.buttons:
-                self._add(one.key, one.title, one.kept)
+                self._add(one.key, one.title, one.kept, one.plugin)
             self.buttons[one.key].show_car(one.car, scale)
         self._check()
 
@@ -185,15 +205,24 @@ class TemplatePictures(QWidget):
         if (palette, scale, own) == self._drawn or not self.isVisible():
             return
         self._drawn = palette, scale, own
-        folder = template_folder()
+        folder, brought = template_folder(), self._brought
 
-        def work() -> list[Drawn]:
-            return [
-                Drawn(key, one.title, small_car(one, "", POSE, palette, SIZE, scale), kept)
-                for key, one, kept in _offered(folder, own)
+        def work() -> tuple[list[Drawn], list[UserError]]:
+            problems: list[UserError] = []
+            drawn = [
+                Drawn(key, one.title, small_car(one, "", POSE, palette, SIZE, scale), kept, plugin)
+                for key, one, kept, plugin in _offered(folder, own, brought, problems)
             ]
+            return drawn, problems
 
-        self._work.ask(work, lambda drawn: self._show(drawn, scale))
+        def done(made: tuple[list[Drawn], list[UserError]]) -> None:
+            self._show(made[0], scale)
+            for problem in made[1]:
+                if problem.message not in self._told:
+                    self._told.add(problem.message)
+                    self.refused.emit(problem)
+
+        self._work.ask(work, done)
 
     @override
     def showEvent(self, event: QShowEvent) -> None:
@@ -205,19 +234,27 @@ class TemplatePictures(QWidget):
         self._draw()
 
 
-def _offered(folder: Path, own: str) -> Iterator[tuple[str, Template, KeptTemplate | None]]:
-    """Yield what can be chosen: its key, the template, and what the person keeps of it."""
+def _offered(
+    folder: Path, own: str, brought: Sequence[TemplateFile], problems: list[UserError]
+) -> Iterator[tuple[str, Template, KeptTemplate | None, str]]:
+    """Yield what can be chosen: its key, the template, what the person keeps of it, its plugin."""
     for name in TEMPLATES:
-        yield name, bundled(name), None
+        yield name, bundled(name), None, ""
     mine = json.loads(own) if own else None
-    for kept in kept_templates(folder):
+    there: list[tuple[KeptTemplate, str]] = []
+    for file in brought:
+        try:
+            there.append((plugin_template(file), file.plugin_name))
+        except UserError as problem:
+            problems.append(problem)
+    for kept, plugin in (*there, *((kept, "") for kept in kept_templates(folder))):
         # A file that was imported is written otherwise in the car, and the same template.
         is_mine = mine is not None and json.loads(kept.source) == mine
         mine = None if is_mine else mine
-        yield own if is_mine else kept.source, kept.template, kept
+        yield own if is_mine else kept.source, kept.template, None if plugin else kept, plugin
     if mine is not None:
         with suppress(UserError):  # the program tells it, where it solves the car
-            yield own, template_of(CarState(template="own", own=own)), None
+            yield own, template_of(CarState(template="own", own=own)), None, ""
 
 
 class PictureButton(QAbstractButton):

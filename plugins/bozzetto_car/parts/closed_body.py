@@ -1,4 +1,4 @@
-"""The body as a closed solid: panels, panes set in by a gap, wheel arches with wells, a floor."""
+"""The body as a closed solid: panels with openings, wheel arches with wells, a floor."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bozzetto.geometry import Brep, ParameterCurve, sewn
 from bozzetto_car.parts.looks import DARK, PAINT, RUBBER, left, looking
 from bozzetto_car.parts.trimmed_face import bezier, face_within, local, polyline, side_of
 from bozzetto_car.parts.wheel_arches import DEPTH, cut_panels, well
-from bozzetto_car.parts.windows import Window, gap, pane, windows_of
+from bozzetto_car.parts.windows import Window, bed, gap, windows_of
 from bozzetto_car.template.network import Network
 
 NOT_CLOSED: Final = (
@@ -58,8 +58,8 @@ def closed_body(network: Network, nets: Array) -> Brep:
             others += [looking(face, "Wheel well", DARK) for face in well(arch, net)]
         painted += [looking(panel, patch.name, PAINT) for panel in panels]
         for window in windows:
-            others.append(looking(pane(window, net), window.title, window.look))
-            others += [looking(face, "Window gap", RUBBER) for face in gap(window, net)]
+            others.append(looking(bed(window, net), "Bed", DARK))
+            others += [looking(face, "Gap", RUBBER) for face in gap(window, net)]
         for side in range(4):
             if network.template.edge_of(number, side) in network.template.rim:
                 cut = None if arch is None else arch.cut.get(side)

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
-from bozzetto.geometry import Brep, Color, Finish, Placement
+from bozzetto.geometry import Brep, Look, Placement
 
 MIRRORED: Final = Placement((1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0))
 
 
-@dataclass(frozen=True)
-class Look:
-    """Colour, sRGB, and material of a part."""
-
-    color: Color
-    finish: Finish
-
-
-PAINT: Final = Look((201, 188, 172), "gloss")
-GLASS: Final = Look((58, 66, 72), "glass")
-RUBBER: Final = Look((46, 45, 44), "rubber")
-METAL: Final = Look((198, 196, 192), "metal")
-LAMP: Final = Look((222, 226, 228), "gloss")
-TAIL: Final = Look((150, 32, 30), "gloss")
-DARK: Final = Look((62, 60, 58), "matt")
+PAINT: Final = Look((201, 188, 172), "gloss", "Paint")
+GLASS: Final = Look((58, 66, 72), "glass", "Glass")
+RUBBER: Final = Look((46, 45, 44), "rubber", "Rubber")
+CHROME: Final = Look((198, 196, 192), "metal", "Chrome")
+LAMP: Final = Look((222, 226, 228), "gloss", "Lamp glass")
+TAIL: Final = Look((150, 32, 30), "gloss", "Tail lamp glass")
+DARK: Final = Look((62, 60, 58), "matt", "Black plastic")
 
 
 def looking(part: Brep, name: str, look: Look) -> Brep:
     """Return a part with a name and a look for all its faces."""
-    faces = (replace(f, name=name, color=look.color, finish=look.finish) for f in part.faces)
+    faces = (replace(face, name=name, **look._asdict()) for face in part.faces)
     return replace(part, name=name, color=look.color, faces=tuple(faces))
 
 

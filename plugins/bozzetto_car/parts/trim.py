@@ -15,6 +15,7 @@ from bozzetto.geometry import (
     Brep,
     BSplineSurface,
     Curve,
+    Look,
     Mesh,
     ParameterCurve,
     Placement,
@@ -24,7 +25,7 @@ from bozzetto.geometry import (
 )
 from bozzetto.geometry.patches import Places, normals_at, points_at
 from bozzetto.view import triple
-from bozzetto_car.parts.looks import DARK, MIRRORED, PAINT, Look, looking
+from bozzetto_car.parts.looks import DARK, MIRRORED, PAINT, looking
 from bozzetto_car.parts.trimmed_face import KNOTS, bezier, cubic_piece
 from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.template.model import MIRROR, Patch, Template

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from itertools import pairwise
 from typing import Final
 
@@ -10,17 +10,25 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Curve, Placement, sewn, surface_of_revolution
-from bozzetto_car.body.wheels import SPOKE, SPOKE_DEPTH, SPOKES, wheel_places
-from bozzetto_car.parts.looks import METAL, MIRRORED, RUBBER, looking
+from bozzetto_car.body.wheels import (
+    DEEPEST,
+    LAID,
+    REMEMBERED,
+    SPOKE_DEPTH,
+    SPOKES,
+    Proportions,
+    wheel_places,
+)
+from bozzetto_car.parts.looks import CHROME, MIRRORED, RUBBER, looking
 from bozzetto_car.parts.trimmed_face import bezier
 from bozzetto_car.template.network import Network
 
-TYRE: Final = (
+TYRE_SECTION: Final = (
     (0.70, -0.03), (0.72, -0.005), (0.80, 0.0), (0.90, -0.012), (0.965, -0.045), (0.99, -0.09),
     (1.0, -0.16), (1.0, -0.46), (0.99, -0.53), (0.93, -0.60), (0.72, -0.62), (0.70, -0.60),
     (0.70, -0.03),
 )  # fmt: skip
-RIM: Final = (
+RIM_SECTION: Final = (
     (0.0, -0.012), (0.09, -0.016), (0.125, -0.028), (0.135, -0.060), (0.63, -0.060),
     (0.645, -0.030), (0.665, -0.012), (0.69, -0.008), (0.70, -0.03), (0.70, -0.60), (0.66, -0.60),
     (0.62, -0.12), (0.0, -0.12),
@@ -33,7 +41,7 @@ BEHIND: Final = 8.0
 AXLE: Final = (0.0, 1.0, 0.0)
 
 
-def wheels_of(network: Network, nets: Array) -> list[Brep]:
+def wheels_of(network: Network, nets: Array, tyre: str = "", *, sunk: bool = True) -> list[Brep]:
     """Return the tyres and the rims of all wheels.
 
     Parameters
@@ -42,44 +50,52 @@ def wheels_of(network: Network, nets: Array) -> list[Brep]:
         The car; its wheels stand on the ground, so that their height is their radius.
     nets : (k, 4, 4, 3) array_like
         Its patches, mm.
+    tyre : str
+        Size of its tyres; "" for those of the sections.
+    sunk : bool
+        Whether they stand in arches; they are outside the panels as they are seen otherwise.
     """
     made = []
+    sizes = Proportions.of(tyre)
+    parts = ((_tyre(sizes), "Tyre", RUBBER), (_rim(sizes), "Rim", CHROME))
     places = wheel_places(network, nets)
     for (centre, radius, reach), where in zip(places, ("front", "rear"), strict=False):
-        to = Placement(scale=radius, offset=(float(centre[0]), reach - BEHIND, float(centre[2])))
-        for unit, name, look in ((_tyre(), "Tyre", RUBBER), (_rim(), "Rim", METAL)):
+        face = reach - BEHIND if sunk else reach + LAID + DEEPEST * sizes.width * radius
+        to = Placement(scale=radius, offset=(float(centre[0]), face, float(centre[2])))
+        for unit, name, look in parts:
             right = unit.placed(to)
             made.append(looking(right, f"{name} {where} right", look))
             made.append(looking(right.placed(MIRRORED), f"{name} {where} left", look))
     return made
 
 
-@cache
-def _tyre() -> Brep:
+@lru_cache(maxsize=REMEMBERED)
+def _tyre(sizes: Proportions) -> Brep:
     """Return a right tyre of radius 1 whose outer face is at y = 0."""
-    return _turned(TYRE)
+    return _turned(sizes.section(TYRE_SECTION))
 
 
-@cache
-def _rim() -> Brep:
+@lru_cache(maxsize=REMEMBERED)
+def _rim(sizes: Proportions) -> Brep:
     """Return the rim of such a tyre; spokes are solids that reach into its disc."""
-    spokes = [_spoke(turn) for turn in np.arange(SPOKES) * 2.0 * np.pi / SPOKES]
-    return sewn([_turned(RIM), *spokes])
+    spokes = [_spoke(sizes, turn) for turn in np.arange(SPOKES) * 2.0 * np.pi / SPOKES]
+    return sewn([_turned(sizes.section(RIM_SECTION)), *spokes])
 
 
-def _turned(section: tuple[tuple[float, float], ...]) -> Brep:
-    points = np.array([(away, along, 0.0) for away, along in section])
+def _turned(section: Array) -> Brep:
+    points = np.insert(section, 2, 0.0, axis=1)
     knots = np.concatenate(([0.0], np.linspace(0.0, 1.0, len(points)), [1.0]))
     return surface_of_revolution(Curve(1, knots, points), (0.0, 0.0, 0.0), AXLE)
 
 
-def _spoke(turn: float) -> Brep:
+def _spoke(sizes: Proportions, turn: float) -> Brep:
     """Return a spoke: hexahedra from the hub to the rim, as one solid."""
     cos, sin = np.cos(turn), np.sin(turn)
     rows = []
-    for away, half, along in SPOKE:
+    deep = SPOKE_DEPTH * sizes.width
+    for away, half, along in sizes.spokes.tolist():
         ring = ((away, along, -half), (away, along, half),
-                (away, along - SPOKE_DEPTH, half), (away, along - SPOKE_DEPTH, -half))  # fmt: skip
+                (away, along - deep, half), (away, along - deep, -half))  # fmt: skip
         rows.append([(x * cos - z * sin, y, x * sin + z * cos) for x, y, z in ring])
     rings = np.array(rows)
     flanks = [

@@ -1,4 +1,8 @@
-"""Insets of the body behind a gap: panes within frames, lamps, grilles."""
+"""Insets of the body: openings in it, and panes, lamps and grilles that stand in them.
+
+An opening is a piece of a patch, sunk into the body; what stands in it is a solid of its own, free
+of the body on all sides by a gap.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,13 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Mesh, ParameterCurve
+from bozzetto.geometry import Brep, Look, Mesh, ParameterCurve, sewn
 from bozzetto.geometry.patches import Patchwork, Places, grid, normals_at, shaded, sides_of
-from bozzetto_car.parts.looks import DARK, GLASS, LAMP, TAIL, Look
-from bozzetto_car.parts.trimmed_face import bezier, cubic_piece, edge_along, polyline
+from bozzetto_car.parts.looks import DARK, GLASS, LAMP, TAIL, left, looking
+from bozzetto_car.parts.trimmed_face import bezier, cubic_piece, edge_along, polyline, side_of
+from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.template.model import MIRROR, Inset, Patch, Template
+from bozzetto_car.template.network import Network
 
 FRAME: Final = 42.0
 """Width of the frame around a pane, mm."""
@@ -26,6 +32,15 @@ differ from it."""
 
 SET_IN: Final = 6.0
 """Depth of a pane below the body around it, mm."""
+
+THICKNESS: Final = 4.0
+"""Thickness of what stands in an opening, mm."""
+
+CLEARANCE: Final = 1.5
+"""Distance of what stands in an opening from its bed, and from its sides in the mean, mm."""
+
+NARROWEST: Final = 0.25
+"""Largest share of an opening that the clearance takes on each side."""
 
 DEPTHS: Final = {"headlamp": 3.0, "tail lamp": 3.0, "grille": 24.0}
 """The same of other insets."""
@@ -103,11 +118,8 @@ def _inset(inset: Inset, number: int) -> Window:
 def _window(template: Template, net: Array, number: int, patch: Patch) -> Window:
     middle = set(template.centre.tolist())
     inner = [k for k in range(4) if {patch.nodes[k], patch.nodes[(k + 1) % 4]} <= middle]
-    at = np.linspace(0.0, 1.0, 9)
-    places = grid(net[None], at, at)[0]
     box = []
-    for axis, sides in ((0, (3, 1)), (1, (0, 2))):
-        way = np.linalg.norm(np.diff(places, axis=axis), axis=-1).sum(axis=axis).mean()
+    for way, sides in zip(_sizes(net), ((3, 1), (0, 2)), strict=True):
         frame = min(FRAME / way, WIDEST)
         low, high = (0.0 if side in inner else frame for side in sides)
         box.append((low, 1.0 - high))
@@ -116,17 +128,80 @@ def _window(template: Template, net: Array, number: int, patch: Patch) -> Window
     return Window(number, f"Glass {name}", GLASS, SET_IN, np.array(box), open_)
 
 
-def pane(window: Window, net: Array) -> Brep:
-    """Return the pane of a window in a patch with a control net (4, 4, 3), mm."""
-    own = _piece(window, net)
-    return Brep.of_surface(bezier(own + _step(window, own)))
+def bed(window: Window, net: Array) -> Brep:
+    """Return the bottom of an opening in a patch with a control net (4, 4, 3), mm."""
+    own = _piece(window.box, net)
+    return Brep.of_surface(bezier(own + _sunk(window) * _inward(window, own)))
 
 
 def gap(window: Window, net: Array) -> list[Brep]:
-    """Return the faces that lead from the frame of a window to its pane."""
-    step = _step(window, _piece(window, net))
+    """Return the sides of an opening, from the panel to the bed."""
+    step = _sunk(window) * _inward(window, _piece(window.box, net))
     edges = (edge_along(bezier(net), path).control_points[::-1] for path in window.paths)
-    return [Brep.of_surface(bezier(np.stack((edge, edge + step), axis=1))) for edge in edges]
+    return [_wall(edge, step) for edge in edges]
+
+
+def inserts(network: Network, nets: Array) -> list[Brep]:
+    """Return the panes, lamps and grilles of a car as solids, those of both sides.
+
+    Parameters
+    ----------
+    network : Network
+        The car.
+    nets : (k, 4, 4, 3) array_like
+        Its patches, mm. A patch that a wheel arch cuts has none.
+    """
+    cut = cut_panels(network, nets)
+    made = []
+    for window in windows_of(network.template, nets):
+        if window.patch in cut:
+            continue
+        half = _insert(window, nets[window.patch])
+        name = _words(window.title)
+        if window.open >= 0:
+            made.append(looking(sewn([*half, *map(left, half)]), name, window.look))
+        else:
+            right = sewn(half)
+            made.append(looking(right, f"{name} right", window.look))
+            made.append(looking(left(right), f"{name} left", window.look))
+    return made
+
+
+def _words(title: str) -> str:
+    """Return the name of a part for people: `Glass glass_front.R` is a *Glass front*."""
+    own = title.removesuffix(".R").replace("Glass glass_", "Glass ").replace("_glass", "")
+    return own.replace("_", " ")
+
+
+def _insert(window: Window, net: Array) -> list[Brep]:
+    """Return the faces of what stands in an opening; not those in the middle of the car."""
+    inward = _inward(window, _piece(window.box, net))
+    front = _piece(_narrowed(window, net), net) + window.depth * inward
+    back = THICKNESS * inward
+    faces = [Brep.of_surface(bezier(front)), Brep.of_surface(bezier(front + back)).turned_over()]
+    sides = (side for side in range(4) if side != window.open)
+    return [*faces, *(_wall(side_of(front, side)[::-1], back) for side in sides)]
+
+
+def _narrowed(window: Window, net: Array) -> Array:
+    """Return the box of an opening without the clearance."""
+    box = window.box.copy()
+    ways = _sizes(_piece(box, net))
+    reached = (window.open == 3, window.open == 1), (window.open == 0, window.open == 2)
+    for axis, way in enumerate(ways):
+        share = min(CLEARANCE / way, NARROWEST) * np.ptp(box[axis])
+        low, high = (0.0 if is_open else share for is_open in reached[axis])
+        box[axis] += (low, -high)
+    return box
+
+
+def _wall(edge: Array, step: Array) -> Brep:
+    return Brep.of_surface(bezier(np.stack((edge, edge + step), axis=1)))
+
+
+def _sunk(window: Window) -> float:
+    """Return the depth of the bed of an opening, mm."""
+    return window.depth + THICKNESS + CLEARANCE
 
 
 def inset_meshes(template: Template, nets: Array) -> list[tuple[Mesh, Look]]:
@@ -134,7 +209,7 @@ def inset_meshes(template: Template, nets: Array) -> list[tuple[Mesh, Look]]:
     windows = windows_of(template, nets)
     looks = dict.fromkeys(window.look for window in windows)
     return [
-        (_laid([_piece(w, nets[w.patch]) for w in windows if w.look == look]), look)
+        (_laid([_piece(w.box, nets[w.patch]) for w in windows if w.look == look]), look)
         for look in looks
     ]
 
@@ -147,16 +222,25 @@ def _laid(right: list[Array]) -> Mesh:
     return replace(mesh, vertices=mesh.vertices + np.float32(LAID) * mesh.normals)
 
 
-def _piece(window: Window, net: Array) -> Array:
-    """Return the control net of the patch within the frame, (4, 4, 3)."""
-    (u0, u1), (v0, v1) = window.box
+def _piece(box: Array, net: Array) -> Array:
+    """Return the control net of the patch within a box of u and v, (4, 4, 3)."""
+    (u0, u1), (v0, v1) = box
     return cubic_piece(cubic_piece(net, u0, u1).swapaxes(0, 1), v0, v1).swapaxes(0, 1)
 
 
-def _step(window: Window, piece: Array) -> Array:
-    """Return the way from the frame to the pane, mm; without y for half a pane."""
+def _sizes(net: Array) -> tuple[float, float]:
+    """Return the mean lengths of a patch along u and along v, mm."""
+    at = np.linspace(0.0, 1.0, 9)
+    places = grid(net[None], at, at)[0]
+    by_axis = (np.linalg.norm(np.diff(places, axis=k), axis=-1).sum(axis=k) for k in (0, 1))
+    along_u, along_v = (float(way.mean()) for way in by_axis)
+    return along_u, along_v
+
+
+def _inward(window: Window, piece: Array) -> Array:
+    """Return the direction into the body, of length 1; without y for what is half of one."""
     at = np.stack(np.meshgrid(*2 * [np.linspace(0.0, 1.0, 5)]), axis=-1).reshape(-1, 2)
     inward = -normals_at(piece[None], Places(np.zeros(len(at), np.intp), at)).mean(axis=0)
     if window.open >= 0:
         inward[1] = 0.0
-    return np.asarray(window.depth * inward / np.linalg.norm(inward))
+    return np.asarray(inward / np.linalg.norm(inward))

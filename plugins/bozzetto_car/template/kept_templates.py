@@ -1,4 +1,6 @@
-"""Templates that a person keeps to begin further cars with: files in a folder.
+"""Templates to begin cars with that are not bundled: a person's own, and those of plugins.
+
+A person keeps theirs in a folder.
 
 Each is an ordinary template file (``bozzetto-car-template/1``), so it can be copied to other
 machines, imported and named by marks files as well. What cannot be read is passed over, for the
@@ -14,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from bozzetto.errors import UserError
+from bozzetto.plugin import TemplateFile
 from bozzetto_car.template.loader import read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.schema import LARGEST_FILE
@@ -66,6 +69,31 @@ def kept_templates(folder: Path) -> tuple[KeptTemplate, ...]:
 @lru_cache(maxsize=MOST_KEPT)
 def _read(source: str) -> Template:
     return read_template(source.encode())
+
+
+def plugin_template(file: TemplateFile) -> KeptTemplate:
+    """Return a template that a plugin brings.
+
+    Raises
+    ------
+    UserError
+        If it cannot be used; the message names the plugin.
+    """
+    try:
+        if file.path.stat().st_size > LARGEST_FILE:
+            raise UserError(f"It is larger than {LARGEST_FILE} bytes.")
+        source = file.path.read_text("utf-8")
+        return KeptTemplate(file.path, source, _read(source))
+    except OSError as problem:
+        why = f"It cannot be read: {problem.strerror}."
+    except UnicodeDecodeError:
+        why = "It is no text in UTF-8."
+    except UserError as problem:
+        why = problem.message
+    raise UserError(
+        f"The template {file.path.name} of the plugin {file.plugin_name} is left out. {why} Tell "
+        "its author; all other templates are there."
+    )
 
 
 def keep_template(folder: Path, content: bytes) -> Path:

@@ -14,7 +14,8 @@ from bozzetto.plugin import remembered
 from bozzetto.scene import Image, Item, Layer, Lines, Scene, Shaded
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, is_shown
-from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.body.wheels import on_tyres, wheel_meshes
+from bozzetto_car.parts.body_lines import body_lines
 from bozzetto_car.parts.trim import mirror_meshes
 from bozzetto_car.parts.windows import inset_meshes
 from bozzetto_car.state import CarState, Sketch
@@ -108,7 +109,7 @@ def _picture(sketch: Sketch | None, body: Body) -> Iterator[Image]:
 @remembered(
     limit=REMEMBERED,
     key=lambda state, body: (
-        (body, state.body, state.shading, state.complete, state.mirrors, state.network)
+        (body, state.body, state.shading, state.complete, state.mirrors, state.network, state.tyre)
     ),
 )
 def _body_layer(state: CarState, body: Body) -> Layer:
@@ -141,6 +142,7 @@ def _shaded(body: Body) -> Mesh:
 def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
     """Yield what a complete car has besides its surfaces and wheels."""
     for inset, look in inset_meshes(body.template, body.nets):
+        assert look.color is not None
         dull = look.finish == "matt"
         yield Shaded(inset, look.color, pickable=False, finish="rubber" if dull else "gloss")
     if state.mirrors:
@@ -148,16 +150,19 @@ def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
             yield Shaded(mesh, pickable=False)
     if not state.network:
         right = body.network.control_points[list(body.template.shut_lines)]
-        if len(right):
-            lines = np.concatenate((right, right * MIRROR))
-            yield network_lines(lines, SHUT, SHUT_WIDTH, hidden="hide")
+        network = on_tyres(body.network, state.tyre)
+        drawn = [points for _, points in body_lines(network, body.nets, {})]
+        lines = np.concatenate((right, right * MIRROR, np.reshape(drawn, (-1, 4, 3))))
+        yield network_lines(lines, SHUT, SHUT_WIDTH, hidden="hide")
 
 
-@remembered(limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading))
+@remembered(
+    limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading, state.tyre)
+)
 def _wheel_layer(state: CarState, body: Body) -> Layer:
     """Return the layer of the wheels; empty over a drawing, which shows its own."""
     items: tuple[Item, ...] = ()
     if state.wheels and state.shading != "draft":
-        meshes = wheel_meshes(body.network, body.nets)
+        meshes = wheel_meshes(on_tyres(body.network, state.tyre), body.nets, state.tyre)
         items = tuple(Shaded(mesh, pickable=False) for mesh in meshes)
     return Layer("wheels", items)

@@ -88,9 +88,10 @@ def test_manifest_keys_are_explained(tmp_path):
         "facts": '"template"',
         "sides": '{ front = "left", left = "front" }',
         "replaces": "true",
+        "templates": '{ "bozzetto.car" = ["t.json"] }',
     }
     assert keys == values.keys()
-    top = ("id", "title", "version", "summary", "api", "checks_files")
+    top = ("id", "title", "version", "summary", "api", "checks_files", "templates")
     inner = tuple(key for key in values if key not in top or key in ("id", "title"))
     text = "\n".join(f"{key} = {values[key]}" for key in top)
     text += "\n[[modeler]]\n" + "\n".join(f"{key} = {values[key]}" for key in inner)

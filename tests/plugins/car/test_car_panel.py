@@ -7,6 +7,7 @@ import os
 import re
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from threading import Event, current_thread, main_thread
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -21,7 +22,7 @@ from PySide6.QtGui import QColor, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from bozzetto.plugin import NextStep
+from bozzetto.plugin import NextStep, TemplateFile
 from bozzetto.scene import DARK, LIGHT
 from bozzetto_car.body.build import body_of
 from bozzetto_car.commands import car_as_template
@@ -42,6 +43,10 @@ from tests.plugins.car.penned import blank, guided, places_of, view_of
 from tests.plugins.car.sketched import PICTURE
 
 SEDAN = bundled("sedan")
+EXAMPLE = (
+    Path(__file__).resolve().parents[3]
+    / "docs/examples/bozzetto_roadsters/bozzetto_roadsters/templates/roadster.json"
+)
 FRONT = view_of(40.0)
 
 
@@ -186,8 +191,8 @@ def shown(qtbot):
     application.setProperty(STILL, True)
     kept = []
 
-    def show(state):
-        host, parent = StandInHost(state, next_mark_step), QWidget()
+    def show(state, templates=()):
+        host, parent = StandInHost(state, next_mark_step, templates), QWidget()
         kept.append(parent)
         parent.resize(280, 900)
         qtbot.addWidget(parent)
@@ -515,3 +520,25 @@ def test_nothing_is_lost_when_the_panel_goes_while_it_works(twelve, qtbot):
     panel.deleteLater()
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     qtbot.wait(150)
+
+
+def test_templates_of_plugins_are_offered_and_broken_ones_told_once(shown, tmp_path, qtbot):
+    source = EXAMPLE.read_text("utf-8")
+    broken = tmp_path / "broken.json"
+    broken.write_text(source.replace('"C2.x', '"C99.x', 1))
+    files = [TemplateFile("a.b", "“Roadsters” (a.b)", path) for path in (EXAMPLE, broken)]
+    panel, host = shown(CarState(), files)
+    qtbot.waitUntil(lambda: not panel.templates.busy, timeout=30_000)
+    button = panel.templates.buttons[source]
+    assert button.text() == "Roadster"
+    assert "Roadsters" in button.toolTip()
+    assert len(panel.templates.buttons) == len(TEMPLATES) + 1
+    panel.templates.look_again()
+    calm(qtbot, panel)
+    qtbot.waitUntil(lambda: not panel.templates.busy, timeout=30_000)
+    (told,) = host.problems
+    assert "broken.json" in told
+    assert "Roadsters" in told
+    button.click()
+    assert host.state.template == "own"
+    assert json.loads(host.state.own) == json.loads(source)

@@ -62,7 +62,8 @@ def _material(part: Solid | Surface, group: FaceGroup) -> dict[str, Any]:
     looks: dict[str, Any] = {"metallicFactor": metallic, "roughnessFactor": roughness}
     if color is not None or opacity < 1.0:
         looks["baseColorFactor"] = base
-    material: dict[str, Any] = {"name": group.name, "pbrMetallicRoughness": looks}
+    name = group.material or group.name
+    material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": looks}
     if opacity < 1.0:
         material["alphaMode"] = "BLEND"
     if isinstance(part, Surface):

@@ -160,21 +160,22 @@ def _faces(
 def _materials(shapes: Shapes, beside: str) -> list[_Material]:
     """Return a material for every group of every part, in their order.
 
-    No two have one name; of those with a picture, equal ones are one.
+    No two have one name; of those with a picture or a name of their own, equal ones are one.
     """
     found: list[_Material] = []
     taken: set[str] = set()
     pictures: dict[tuple[int, Color], str] = {}
-    known: dict[tuple[str, str, Finish], _Material] = {}
+    known: dict[tuple[str, str, Finish, Color | None], _Material] = {}
     for part in shapes.meshes():
         picture = ""
         if part.texture is not None:
             key = (id(part.texture.pixels), part.color or WHITE)
             picture = pictures.setdefault(key, f"{beside}-{len(pictures) + 1}.png")
         for group in part.groups or (FaceGroup("", len(part.mesh.faces)),):
-            name = wanted = _word(group.name or part.name)
-            look = (wanted, picture, group.finish)
-            if picture and look in known:
+            name = wanted = _word(group.material or group.name or part.name)
+            color = None if picture else group.color or part.color
+            look = (wanted, picture, group.finish, color)
+            if (picture or group.material) and look in known:
                 found.append(known[look])
                 continue
             number = 1

@@ -50,7 +50,7 @@ class Looks:
             color, picture = WHITE, self._files[key]
         elif part.mesh.colors is not None:
             color = None
-        look = (group.name or part.name, group.finish, color, picture)
+        look = (group.material or group.name or part.name, group.finish, color, picture)
         if look not in self._known:
             name = self._names.new(look[0], "material")
             self._known[look] = path = f"{self.path}/{name}"

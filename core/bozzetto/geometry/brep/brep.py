@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,12 +18,10 @@ from bozzetto.geometry.basis import curve_derivative, span_parameters
 from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
+from bozzetto.geometry.look import Finish
 
 if TYPE_CHECKING:
     from bozzetto.geometry.placement import Placement
-
-Finish = Literal["matt", "gloss", "rubber", "metal", "glass"]
-"""Materials that surfaces look as if they were made of."""
 
 GAP: Final = 1e-8
 """Largest distance of an edge from the surface of a face, as share of the size of the whole:
@@ -147,6 +145,9 @@ class Face:
         sRGB; None for that of the whole.
     finish : {"matt", "gloss", "rubber", "metal", "glass"}
         Of what it is made, for files that know materials.
+    material : str
+        Name of the material in such files, one for all that have it; "" for a material that is
+        called like the face.
 
     Raises
     ------
@@ -159,6 +160,7 @@ class Face:
     name: str = ""
     color: Color | None = None
     finish: Finish = "matt"
+    material: str = ""
 
     def __post_init__(self) -> None:
         edged = [any(trim.edge is not None for trim in loop) for loop in self.loops]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import frozen
+from bozzetto.geometry.look import Look
 from bozzetto.geometry.patches.coons import (
     boundaries,
     coons_nets,
@@ -43,6 +44,8 @@ class Patchwork:
         sRGB.
     patch_names : tuple of str, optional
         One for each patch, or none at all.
+    patch_looks : tuple of Look, optional
+        One for each patch, or none at all.
 
     Raises
     ------
@@ -57,6 +60,7 @@ class Patchwork:
     name: str = "skin"
     color: tuple[int, int, int] | None = None
     patch_names: tuple[str, ...] = ()
+    patch_looks: tuple[Look, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nets", frozen(self.nets, np.float64))
@@ -77,6 +81,8 @@ class Patchwork:
             raise ValueError("a patch does not end in its edges")
         if self.patch_names and len(self.patch_names) != len(self.sides):
             raise ValueError("a patchwork needs a name for every patch, or none")
+        if self.patch_looks and len(self.patch_looks) != len(self.sides):
+            raise ValueError("a patchwork needs a look for every patch, or none")
 
     @classmethod
     def of_edges(

@@ -7,6 +7,7 @@ from typing import Any, Final, get_args
 
 from bozzetto.geometry.brep.brep import Brep, Face
 from bozzetto.geometry.brep.surface import BSplineSurface
+from bozzetto.geometry.look import Look
 from bozzetto.geometry.patches.patchwork import Patchwork
 from bozzetto.geometry.shapes import Curve, FaceGroup, Finish, Shapes, Skeleton, Solid, Surface
 from bozzetto.plugin.guard.checked_values import (
@@ -57,6 +58,7 @@ def _check_part(part: Any) -> None:
         for group in part.groups:
             expect(type(group) is FaceGroup, "a group of triangles")
             check_words(group.name, "the name of a group of triangles")
+            check_words(group.material, "the material of a group of triangles")
             expect(group.finish in get_args(Finish), "the finish of a group of triangles")
             _check_color(group.color, "a group of triangles")
         if part.exact is not None:
@@ -68,6 +70,11 @@ def _check_part(part: Any) -> None:
         check_finite(part.nets, "the control points of a patchwork")
         check_finite(part.edges, "the edges of a patchwork")
         expect(all(isinstance(n, str) for n in part.patch_names), "the names of patches")
+        for look in part.patch_looks:
+            expect(type(look) is Look, "the look of a patch")
+            check_words(look.material, "the material of a patch")
+            expect(look.finish in get_args(Finish), "the finish of a patch")
+            _check_color(look.color, "a patch")
     elif isinstance(part, Brep):
         _brep(part)
     else:
@@ -101,6 +108,7 @@ def _brep(part: Brep) -> None:
     for face in part.faces:
         expect(type(face) is Face, "a face of a brep")
         check_words(face.name, "the name of a face")
+        check_words(face.material, "the material of a face")
         expect(face.finish in get_args(Finish), "the finish of a face")
         _check_color(face.color, "a face")
         surface = face.surface

@@ -42,6 +42,29 @@ class PluginInfo(msgspec.Struct, frozen=True):
     warnings: tuple[str, ...] = ()
 
 
+class TemplateFile(msgspec.Struct, frozen=True):
+    """A file with which models of a modeler can begin, as a plugin brings it; nobody has read it.
+
+    Attributes
+    ----------
+    plugin : str
+        Id of the plugin.
+    plugin_name : str
+        Its title and id, for messages.
+    path : Path
+        The file; it need not be there.
+    """
+
+    plugin: str
+    plugin_name: str
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """Its name in files: id of the plugin, and name of the file without its ending."""
+        return f"{self.plugin}/{self.path.stem}"
+
+
 class Standing(msgspec.Struct, frozen=True):
     """Whether a modeler can be used now.
 

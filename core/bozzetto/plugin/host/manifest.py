@@ -43,6 +43,9 @@ MOST_KEYS = 16
 MOST_MODELERS = 64
 """Modelers that one plugin may announce."""
 
+MOST_TEMPLATES = 64
+"""Templates that one plugin may bring for one modeler."""
+
 Ability = Literal["panel", "read_shapes", "follow", "add_picture", "add_drawing"]
 """What a menu must know of a modeler before its plugin is imported."""
 
@@ -131,7 +134,10 @@ class Manifest(msgspec.Struct, frozen=True):
     api : str
         Versions of the contract that the plugin was written for, such as ">=2,<3".
     modelers : tuple of ModelerEntry
-        Each a table ``[[modeler]]``.
+        Each a table ``[[modeler]]``; a plugin that brings templates alone has none.
+    templates : mapping of str to tuple of str
+        The table ``[templates]``: files in the package with which models of a modeler, its own or
+        another plugin's, can begin, by the id of the modeler.
     summary : str
         One sentence for the list of plugins.
     checks_files : bool
@@ -144,9 +150,12 @@ class Manifest(msgspec.Struct, frozen=True):
     title: Word
     version: Word
     api: Word
-    modelers: Annotated[
-        tuple[ModelerEntry, ...], msgspec.Meta(min_length=1, max_length=MOST_MODELERS)
-    ] = msgspec.field(name="modeler")
+    modelers: Annotated[tuple[ModelerEntry, ...], msgspec.Meta(max_length=MOST_MODELERS)] = (
+        msgspec.field(name="modeler", default=())
+    )
+    templates: dict[
+        Id, Annotated[tuple[Word, ...], msgspec.Meta(min_length=1, max_length=MOST_TEMPLATES)]
+    ] = {}
     summary: Sentence = ""
     checks_files: bool = False
     warnings: tuple[str, ...] = ()
@@ -211,6 +220,12 @@ def read_manifest(folder: Path) -> Manifest:
         ignored = "".join(f" {told}" for told in warnings)
         raise ManifestError(f"In {MANIFEST}: {words}.{ignored}") from None
     api_accepts(manifest.api, (0, 0))  # a range that cannot be read is refused here
+    if not manifest.modelers and not manifest.templates:
+        raise ManifestError(
+            f"In {MANIFEST}: there is neither a [[modeler]] nor [templates]. Announce one of them."
+        )
+    for file in (file for files in manifest.templates.values() for file in files):
+        _check_inside(file, "template", (".json",))
     ids = [modeler.id for modeler in manifest.modelers]
     for modeler in manifest.modelers:
         if ids.count(modeler.id) > 1:

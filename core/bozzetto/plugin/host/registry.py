@@ -22,7 +22,13 @@ from bozzetto.errors import DocumentError, UserError, words_of
 from bozzetto.plugin import API_VERSION
 from bozzetto.plugin.guard.guard import Guard, PluginFault
 from bozzetto.plugin.host.entry_points import announced
-from bozzetto.plugin.host.listing import ModelerInfo, PluginInfo, Standing, Status
+from bozzetto.plugin.host.listing import (
+    ModelerInfo,
+    PluginInfo,
+    Standing,
+    Status,
+    TemplateFile,
+)
 from bozzetto.plugin.host.loading import ask, check_modelers, import_plugin
 from bozzetto.plugin.host.manifest import (
     Manifest,
@@ -165,6 +171,17 @@ class Registry:
                 for info in plugin.infos
             ]
         return tuple(sorted(infos, key=lambda info: (info.order, info.title, info.id)))
+
+    def templates(self, modeler_id: str) -> tuple[TemplateFile, ...]:
+        """Return the templates that plugins neither broken nor disabled bring for a modeler."""
+        with self._lock:
+            row = [
+                TemplateFile(plugin.id, plugin.name, plugin.folder / file)
+                for plugin in self._plugins.values()
+                if plugin.manifest and not plugin.fault and plugin.id not in self._disabled
+                for file in plugin.manifest.templates.get(modeler_id, ())
+            ]
+        return tuple(sorted(row, key=lambda file: file.name))
 
     def info(self, modeler_id: str) -> ModelerInfo:
         """Return what a manifest says about a modeler.
@@ -362,14 +379,16 @@ class Registry:
             If a plugin fails over it.
         """
         with self._lock:
-            asked = [p for p in self._plugins.values() if p.manifest and p.manifest.checks_files]
-        for plugin in asked:
-            modeler_id = plugin.manifest.modelers[0].id if plugin.manifest else ""
+            manifests = {plugin.id: plugin.manifest for plugin in self._plugins.values()}
+        for plugin_id, said in manifests.items():
+            if said is None or not said.checks_files or not said.modelers:
+                continue
+            modeler_id = said.modelers[0].id
             self.modeler(modeler_id)
             told = self.guard.call(
                 modeler_id,
                 "bozzetto_faults",
-                partial(ask, self._hooks(), plugin.id, "bozzetto_faults", file=file),
+                partial(ask, self._hooks(), plugin_id, "bozzetto_faults", file=file),
             )
             if told:
                 return [str(fault) for fault in told[0]]

@@ -18,7 +18,14 @@ from bozzetto_car.parts.closed_body import closed_body
 from bozzetto_car.parts.trim import shut_lines, trim_of
 from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
-from bozzetto_car.parts.windows import LAID, SET_IN, inset_meshes
+from bozzetto_car.parts.windows import (
+    CLEARANCE,
+    DEPTHS,
+    LAID,
+    THICKNESS,
+    inset_meshes,
+    windows_of,
+)
 from bozzetto_car.state import CarState
 from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES
@@ -78,21 +85,16 @@ def test_both_sides_are_alike():
 
 
 @pytest.mark.parametrize("name", TEMPLATES)
-def test_panes_lie_below_the_body_by_the_depth_of_the_gap(name):
+def test_beds_of_openings_lie_below_the_panes(name):
     car = body(name)
-    closed = closed_body(car.network, car.nets)
-    nets = {patch.name: net for patch, net in zip(car.template.patches, car.nets, strict=True)}
-    glass = [face for face in closed.faces if face.finish == "glass"]
-    assert len(glass) == sum(patch.glass for patch in car.template.patches)
-    for face in glass:
-        words = face.name.removeprefix("Glass ")
-        own = [nets[word] for word in (words, f"{words}.R", f"{words}.L") if word in nets]
-        middle = face.surface.value([0.5], [0.5])[0]
-        at = np.stack(np.meshgrid(*2 * [np.linspace(0.0, 1.0, 161)]), axis=-1).reshape(-1, 2)
-        least = min(
-            np.linalg.norm(points_at(net[None], on_one(at)) - middle, axis=1).min() for net in own
-        )
-        assert 0.7 * SET_IN < least < 1.5 * SET_IN
+    beds = [f for f in closed_body(car.network, car.nets).faces if f.name == "Bed"]
+    windows = windows_of(car.template, car.nets)
+    assert len(beds) == 2 * len(windows)
+    places = np.array([face.surface.value([0.5], [0.5])[0] for face in beds])
+    feet = points_at(car.nets, foot_points(car.nets, places))
+    away = np.linalg.norm(feet - places, axis=1)
+    assert (away < 1.01 * (max(DEPTHS.values()) + THICKNESS + CLEARANCE)).all()
+    assert (away > 0.7 * (min(DEPTHS.values()) + THICKNESS + CLEARANCE)).all()
 
 
 def test_wheels_are_solids_that_stand_on_the_ground():
@@ -124,16 +126,18 @@ def test_what_is_handed_over_tells_glass_paint_rubber_and_metal():
     assert solids[0].name == "Body"
     assert len(solids) == 3
     lips = [part for part in shapes.breps if part.name.startswith("Arch lip")]
-    assert len(shapes.breps) == 9 + len(lips)
+    inset = [part for part in shapes.breps if part.name.startswith(("Glass", "Head", "Tail"))]
+    assert len(inset) == 10
+    assert len(shapes.breps) == 9 + len(lips) + len(inset) + len({"Grille", "Intake"})
     assert len(lips) >= 4
-    assert {group.finish for group in solids[0].groups} >= {"gloss", "glass", "rubber", "matt"}
+    assert {group.finish for group in solids[0].groups} == {"gloss", "rubber", "matt"}
     assert {face.finish for part in shapes.breps for face in part.faces} >= {
         "gloss",
         "glass",
         "rubber",
         "metal",
     }
-    glass = [g.name for g in solids[0].groups if g.finish == "glass"]
+    glass = [part.name for part in shapes.breps if part.faces[0].finish == "glass"]
     assert len(glass) == len(set(glass)) == 6
 
 

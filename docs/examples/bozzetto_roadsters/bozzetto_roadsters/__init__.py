@@ -1,0 +1,1 @@
+"""A template for the car modeler of Bozzetto: a roadster."""
