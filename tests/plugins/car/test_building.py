@@ -159,7 +159,8 @@ def test_opencascade_reads_a_built_car_without_a_message(
     one = car(name, 7)
     places = one.places()[[one.template.node[n] for n in ("B3.R", "S3.R", "R2.R")]] + (40.0, 0.0)
     seam = {"view": 0, "name": "Seam, over a crease", "points": places.tolist()}
-    told = built(tmp_path, one.marks_file() | {"styling": [seam]}, ending)
+    alone = ("--set", "wheels=false")
+    told = built(tmp_path, one.marks_file() | {"styling": [seam]}, ending, alone)
     said, answer = ask(OPENCASCADE, tmp_path / f"car.{ending}")
     assert messages(said) == []
     assert answer["valid"]

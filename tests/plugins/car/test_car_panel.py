@@ -539,6 +539,6 @@ def test_templates_of_plugins_are_offered_and_broken_ones_told_once(shown, tmp_p
     (told,) = host.problems
     assert "broken.json" in told
     assert "Roadsters" in told
-    button.click()
+    panel.templates.buttons[source].click()
     assert host.state.template == "own"
     assert json.loads(host.state.own) == json.loads(source)

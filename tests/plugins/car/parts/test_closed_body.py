@@ -20,7 +20,6 @@ from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.parts.windows import (
     CLEARANCE,
-    DEPTHS,
     LAID,
     THICKNESS,
     inset_meshes,
@@ -91,10 +90,17 @@ def test_beds_of_openings_lie_below_the_panes(name):
     windows = windows_of(car.template, car.nets)
     assert len(beds) == 2 * len(windows)
     places = np.array([face.surface.value([0.5], [0.5])[0] for face in beds])
-    feet = points_at(car.nets, foot_points(car.nets, places))
-    away = np.linalg.norm(feet - places, axis=1)
-    assert (away < 1.01 * (max(DEPTHS.values()) + THICKNESS + CLEARANCE)).all()
-    assert (away > 0.7 * (min(DEPTHS.values()) + THICKNESS + CLEARANCE)).all()
+    places = np.concatenate([places, places * (1.0, -1.0, 1.0)])  # windows are those of one half
+    feet = foot_points(car.nets, places)
+    away = np.linalg.norm(points_at(car.nets, feet) - places, axis=1)
+    for window in windows:
+        low, high = np.transpose(window.box)
+        within = (feet.parameters >= low).all(axis=1) & (feet.parameters <= high).all(axis=1)
+        own = away[(feet.patches == window.patch) & within]
+        depth = window.depth + THICKNESS + CLEARANCE
+        assert len(own)
+        assert (own < 1.01 * depth).all()
+        assert (own > 0.7 * depth).all()
 
 
 def test_wheels_are_solids_that_stand_on_the_ground():
