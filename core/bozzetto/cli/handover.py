@@ -29,7 +29,7 @@ def add_handover(command: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--separate-parts",
         action="store_true",
-        help="each named part of an object as an object of its own, in GLB, OBJ and USD",
+        help="each named part of an object as an object of its own, in GLB, OBJ, USD and 3MF",
     )
     group.add_argument(
         "--curves-alone", action="store_true", help="no surfaces, in STEP, IGES and 3DM"
