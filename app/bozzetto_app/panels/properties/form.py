@@ -300,7 +300,9 @@ class ParametersPanel(PanelScroll):
         """Show another form."""
         old, self.form = self.form, form
         form.fold_as_kept()
-        self._column.replaceWidget(old, form)
+        place = self._column.indexOf(old)
+        self._column.removeWidget(old)
+        self._column.insertWidget(place, form)  # `replaceWidget` gives an item that nobody frees
         put_in_tab_order(self, (form, self._place_section, self._figures_section))
         old.hide()
 
