@@ -97,8 +97,9 @@ class Body:
         Dimensions that it was brought to; none given if it is as it was drawn.
     dimensions_problem : str
         Why the body cannot have the dimensions that are wanted; "" if it can.
-    is_carried : bool
-        Whether edits were not made again, but carried over from another body; see `preview_of`.
+    is_dragged : bool
+        Whether it is seen only while something is dragged: its edits were carried over from another
+        body, or its dimensions are about to change; see `preview_of`.
     """
 
     network: Network
@@ -108,7 +109,7 @@ class Body:
     troubles: tuple[Trouble, ...] = ()
     world: Dimensions = Dimensions()
     dimensions_problem: str = ""
-    is_carried: bool = False
+    is_dragged: bool = False
 
     @property
     def template(self) -> Template:
@@ -243,12 +244,18 @@ def preview_of(state: CarState) -> Body:
     UserError
         As `body_of` does.
     """
-    is_stretched = state.lock and state.dimensions != _dimensions_at_rest(state)
-    shown = replace(state, lock=False) if is_stretched else state
+    is_stretched = state.dimensions != _dimensions_at_rest(state)
+    shown = replace(state, lock=False) if is_stretched and state.lock else state
     if not state.edits:
         return body_of(shown)
     first = _first_seen(shown)
-    return body_of(shown, None if first is shown else first)
+    body = body_of(shown, None if first is shown else first)
+    return _as_dragged(body) if is_stretched else body
+
+
+@remembered(limit=REMEMBERED)
+def _as_dragged(body: Body) -> Body:
+    return replace(body, is_dragged=True)
 
 
 @remembered(limit=FIRST_SEEN, key=lambda state: _Same(state.nodes))
@@ -549,7 +556,7 @@ def _edited(body: Body, edit: Edit, number: int, smooth: bool, moved: _Moved | N
         body,
         tuple((number, _Same(state.edits[number])) for number in strokes),
         (state.smooth, state.default_shape, state.annealed, state.joints),
-        (state.lock, state.dimensions),
+        state.dimensions if state.lock else None,
     ),
 )
 def _with_strokes(body: Body, state: CarState, strokes: tuple[int, ...]) -> Body:
@@ -623,7 +630,7 @@ def _carried(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
     """Return the body `start` with what the edits of a car changed from `old_start` to `old`."""
     traced = list(_on_pictures(old, start, before))
     network = carried(old.network, old_start.network, start.network, traced)
-    return replace(old, network=network, solved=start.solved, is_carried=True)
+    return replace(old, network=network, solved=start.solved, is_dragged=True)
 
 
 def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture]:

@@ -38,7 +38,7 @@ REMEMBERED: Final = 16
 def stroke_layers(state: CarState, body: Body) -> tuple[Layer, ...]:
     """Return the layer with the strokes of the sketch in work; none while a drag is previewed."""
     placed = in_work(state, body.solved)
-    if placed is None or not placed.is_known or body.is_carried or not state.edits:
+    if placed is None or not placed.is_known or body.is_dragged or not state.edits:
         return ()
     return (_layer(body, state, placed.sketch.id),)
 

@@ -372,6 +372,29 @@ def test_a_kept_dimension_that_is_dragged_is_stretched_to(monkeypatch: pytest.Mo
     assert shown.dimensions.length == pytest.approx(4700.0, abs=1e-6)
 
 
+def test_strokes_are_fitted_once_while_a_dimension_is_dragged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A body that is only stretched to its dimensions is the same before it is stretched."""
+    state = marked(16)
+    body = body_of(state)
+    stroke = pen(body.sketch_cameras["1"].view((1200.0, 800.0)), another(body, "C1-C2", 3))
+    start = TraceEdges().apply(state, Ink((stroke,)), Context())
+    at_rest = body_at_rest_of(start)
+    with monkeypatch.context() as context:
+        context.setattr(body_module, "trace_all", None)
+        shown = preview_of(replace(start, length=4700.0))
+        exact = body_at_rest_of(replace(start, length=4700.0))
+    assert shown.dimensions.length == pytest.approx(4700.0, abs=1e-6)
+    assert (shown.network.control_points == exact.network.control_points).all()
+    layers = {
+        body: {layer.name for layer in scene_of(start, body).layers}
+        for body in (at_rest, shown, exact)
+    }
+    assert "strokes" in layers[at_rest] & layers[exact]
+    assert layers[at_rest] - layers[shown] == {"strokes"}
+
+
 @pytest.mark.parametrize("name", ["sedan", "suv", "van"])
 @pytest.mark.parametrize("node", ["C3", "S4"])
 def test_what_was_traced_on_a_sketch_stays_on_it_while_a_mark_is_dragged(
