@@ -54,7 +54,7 @@ def with_textures(
             continue
         pixel, triangle = seen.pixel[own], seen.triangle[own]
         across, down = at_pixels(pixel, triangle, soup.texels, soup, sight)
-        halved = _halvings(texture, soup)[triangle]
+        halved = _halvings(texture, soup, np.flatnonzero(soup.part == k))[triangle]
         for times in np.flatnonzero(np.bincount(halved)).tolist():
             there = np.flatnonzero(halved == times)
             smaller = level(texture.pixels, 1 << times, 1 << times)
@@ -67,16 +67,18 @@ def with_textures(
     return replace(seen, color=color)
 
 
-def _halvings(texture: Texture, soup: Soup) -> Index:
-    """Return how often to halve a texture for each triangle."""
+def _halvings(texture: Texture, soup: Soup, triangles: Index) -> Index:
+    """Return how often to halve a texture for each triangle of a scene; 0 for those of others."""
     height, width = texture.pixels.shape[:2]
     assert soup.texels is not None
-    in_picture = _doubled_areas(soup.texels * np.array((width, height), np.float32))
-    on_sheet = np.abs(soup.doubled_areas())
+    in_picture = _doubled_areas(soup.texels[triangles] * np.array((width, height), np.float32))
+    on_sheet = _doubled_areas(soup.places[:, :2][soup.faces[triangles]])
     ratio = np.divide(in_picture, on_sheet, out=np.ones(len(on_sheet)), where=on_sheet > 0)
     # Half of the logarithm of the ratio of areas is that of lengths.
     times = np.rint(0.5 * np.log2(np.maximum(ratio, 1.0)))
-    return np.minimum(times, smallest_level(texture.pixels)).astype(np.intp)
+    halvings = np.zeros(len(soup.faces), np.intp)
+    halvings[triangles] = np.minimum(times, smallest_level(texture.pixels))
+    return halvings
 
 
 def smallest_level(pixels: Bytes) -> int:
@@ -84,7 +86,7 @@ def smallest_level(pixels: Bytes) -> int:
     return max(0, int(np.log2(max(min(pixels.shape[:2]) / LEAST_SIDE, 1.0))))
 
 
-def _doubled_areas(corners: Floats) -> Array:
+def _doubled_areas(corners: Array | Floats) -> Array:
     """Return twice the areas of triangles (t, 3, 2)."""
     one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return np.asarray(np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]), np.float64)
