@@ -113,7 +113,7 @@ void main() {
     vec3 base = v_color.rgb;
 #ifdef TEXTURED
     vec4 texel = TEXTURE(u_picture, v_texel);
-    base = mix(base, texel.rgb, texel.a);
+    base = (1.0 - texel.a) * base + texel.rgb;
 #endif
     vec3 color;
     if (u_shading == 3) {
@@ -231,7 +231,7 @@ IN vec2 v_texel;
 void main() {
     vec4 texel = TEXTURE(u_picture, v_texel);
     if (texel.a * u_opacity < 0.004) discard;
-    COLOR = vec4(texel.rgb, texel.a * u_opacity);
+    COLOR = vec4(texel.rgb / texel.a, texel.a * u_opacity);
 }
 """
 

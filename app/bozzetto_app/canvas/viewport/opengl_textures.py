@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from OpenGL import GL
 
+from bozzetto.scene.renderer.mipmaps import level
 from bozzetto.scene.renderer.textures import smallest_level
 
 __all__ = ["Textures"]
@@ -29,7 +30,10 @@ class Textures:
         self._held: OrderedDict[int, tuple[weakref.ref[NDArray[np.uint8]], int]] = OrderedDict()
 
     def bind(self, pixels: NDArray[np.uint8]) -> None:
-        """Make a picture, (h, w, 4) RGBA, the current texture."""
+        """Make a picture, (h, w, 4) RGBA, the current texture, multiplied by its opacity.
+
+        What lies under clear texels is nobody's colour: it must not be mixed with its neighbours'.
+        """
         known = self._held.get(id(pixels))
         if known is not None and known[0]() is pixels:
             self._held.move_to_end(id(pixels))
@@ -46,7 +50,7 @@ class Textures:
         GL.glPixelStorei(GL.GL_UNPACK_ALIGNMENT, 1)
         GL.glTexImage2D(
             GL.GL_TEXTURE_2D, 0, GL.GL_RGBA, width, height, 0, GL.GL_RGBA, GL.GL_UNSIGNED_BYTE,
-            pixels,
+            level(pixels, 1, 1),
         )  # fmt: skip
         smaller = GL.GL_LINEAR
         if GL.glGenerateMipmap:  # not before OpenGL 3

@@ -307,6 +307,31 @@ def test_a_picture_on_a_mesh_is_shown_as_in_a_still_picture(make):
     assert np.quantile(away[np.abs(still - LIGHT.paper).max(axis=2) > 60], 0.5) < 8
 
 
+def test_what_lies_under_clear_texels_is_not_seen(make):
+    """A checkerboard of clear squares, black underneath, and squares as what lies behind."""
+    rows, columns = np.indices((64, 64))
+    behind = (*LIGHT.paper, 255)
+    board = np.zeros((64, 64, 4), np.uint8)
+    board[(rows // 4 + columns // 4) % 2 == 0] = behind
+    sheet = Image(frozen(board, np.uint8), (-70, 0, 60), (140, 0, 0), (0, 0, -120))
+    viewport = make()
+    viewport.set_camera(standard_view(CAMERA, "front"))
+    viewport.set_scene(Scene((Layer("sketch", (sheet,)),)))
+    assert np.abs(pixels_of(viewport) - np.array(LIGHT.paper)).max() < 4
+
+    ball = sphere(30.0, normals=True)
+    places = np.clip(0.5 + ball.vertices[:, [0, 2]] / 70.0, 0.0, 1.0)[ball.faces]
+    color = (60, 60, 220)
+    board[board[..., 3] > 0] = (*color, 255)
+    whole = np.full_like(board, (*color, 255))
+    seen = []
+    for squares in (whole, board):
+        viewport.set_scene(scene_of(Shaded(ball, color, texture=Texture(squares, places))))
+        seen.append(pixels_of(viewport))
+    assert np.abs(seen[0] - LIGHT.paper).max() > 60
+    assert np.abs(seen[1] - seen[0]).max() < 8
+
+
 def test_it_says_who_draws(make):
     assert make().describe()
 
