@@ -30,12 +30,29 @@ def volume(mesh: Mesh) -> float:
         b"OFF 8 6 0\n",  # as OpenSCAD writes it
         b"# made by hand\nOFF # a word\n\n8 6 0 # counts\n",
         b"off\r\n8 6\r\n",
+        b"OFF8 6 12\n",
     ],
 )
 def test_a_cube_is_a_solid(tmp_path, head):
     (tmp_path / "cube.off").write_bytes(cube(head))
     (solid,) = read_mesh(tmp_path / "cube.off").solids
     assert solid.name == "cube"
+    assert len(solid.mesh.faces) == 12
+    assert volume(solid.mesh) == pytest.approx(8000.0)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-be", "utf-16-le"])
+@pytest.mark.parametrize("ending", ["off", "obj"])
+def test_text_of_any_encoding_is_the_same_cube(tmp_path, ending, encoding):
+    """As Windows PowerShell writes it; without a mark at its beginning UTF-16 is not known."""
+    vertices, rows = PLACES.decode().splitlines(), [face.decode().split() for face in FACES]
+    obj = [f"v {line}" for line in vertices]
+    obj += ["f " + " ".join(str(int(at) + 1) for at in row[1:]) for row in rows]
+    text = cube().decode() if ending == "off" else "\n".join(obj)
+    mark = "\ufeff" if encoding.endswith("e") else ""
+    path = tmp_path / f"cube.{ending}"
+    path.write_bytes((mark + text).encode(encoding))
+    (solid,) = read_mesh(path).solids
     assert len(solid.mesh.faces) == 12
     assert volume(solid.mesh) == pytest.approx(8000.0)
 

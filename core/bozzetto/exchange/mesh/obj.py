@@ -25,7 +25,7 @@ from bozzetto.exchange.mesh.polygons import (
     triangulate,
 )
 from bozzetto.exchange.mesh.stacked_pictures import Pictures
-from bozzetto.exchange.mesh.text_words import check_words
+from bozzetto.exchange.mesh.text_words import checked_text
 from bozzetto.exchange.reading import Reading
 from bozzetto.geometry.shapes import FaceGroup, Shapes, Surface
 
@@ -67,7 +67,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         Where its materials lie, and what is told.
     """
     reading = reading or Reading()
-    check_words(data)
+    data = checked_text(data)
     at_most(data.count(b"\n"), MAX_LINES, "lines")
     vertices: list[list[bytes]] = []
     corners: list[int] = []

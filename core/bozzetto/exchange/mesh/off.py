@@ -16,11 +16,11 @@ from bozzetto.errors import FormatError
 from bozzetto.exchange.limits import MAX_FACES, MAX_VERTICES, at_most
 from bozzetto.exchange.mesh.colored_faces import colored_part
 from bozzetto.exchange.mesh.polygons import check_places
-from bozzetto.exchange.mesh.text_words import check_words
+from bozzetto.exchange.mesh.text_words import checked_text
 from bozzetto.exchange.reading import Reading
 from bozzetto.geometry.shapes import Color, Shapes
 
-HEADER: Final = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\b[ \t]*", re.IGNORECASE)
+HEADER: Final = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF(?![a-z])[ \t]*", re.IGNORECASE)
 
 MAX_LINES: Final = 6_000_000
 """Limit of lines: as objects a quarter of a gigabyte."""
@@ -54,7 +54,7 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         If it is no OFF file, is binary or of another space, damaged, or too large.
     """
     reading = reading or Reading()
-    check_words(data)
+    data = checked_text(data)
     at_most(data.count(b"\n") + data.count(b"\r"), MAX_LINES, "lines")
     lines = [line for line in (one.partition(b"#")[0].strip() for one in data.splitlines()) if line]
     found = HEADER.match(lines[0]) if lines else None

@@ -1,7 +1,8 @@
-"""Word counts of text files, before the words are made."""
+"""Text files: one encoding for all, and their words counted before they are made."""
 
 from __future__ import annotations
 
+import codecs
 from typing import Final
 
 import numpy as np
@@ -27,6 +28,23 @@ def word_count(text: bytes) -> int:
         count += int(begins.sum())
         after_blank = bool(blank[-1])
     return count
+
+
+def checked_text(data: bytes) -> bytes:
+    """Return the text of a file as UTF-8 without a mark at its beginning, if it is not too long.
+
+    Windows PowerShell and old editors write UTF-16, with such a mark.
+
+    Raises
+    ------
+    FormatError
+        If it has more words than can be held.
+    """
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        data = data.decode("utf-16", "replace").encode()
+    data = data.removeprefix(codecs.BOM_UTF8)
+    check_words(data)
+    return data
 
 
 def check_words(text: bytes) -> None:
