@@ -18,7 +18,7 @@ from typing import Any, Final
 from bozzetto.document.model import Model
 from bozzetto.document.storage.state_codec import decode_state, encode_state, state_digest
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.exchange.mesh.manifold_check import bounds_volume, no_volume_because
 from bozzetto.geometry.brep.tessellation import brep_mesh
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.parameters import Field, parameter_fields
@@ -85,10 +85,11 @@ def check_drawing(subject: Subject) -> None:
 
 def _check_solids(shapes: Shapes) -> None:
     for solid in shapes.solids:
+        why = no_volume_because(solid.mesh)
         ensure(
-            bounds_volume(solid.mesh),
-            f"the solid {solid.name!r} is open, inside out or flat, and no program would "
-            "take it; hand over a closed mesh, or a Surface",
+            not why,
+            f"the solid {solid.name!r} is {why}; no program would take it: hand over a closed "
+            "mesh, or a Surface",
         )
     for brep in shapes.breps:
         ensure(
