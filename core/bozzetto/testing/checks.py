@@ -53,6 +53,16 @@ def check_announced(subject: Subject) -> None:
             ensure(path.is_file(), f"the file {path.relative_to(info.folder)} is missing")
         for tool in shell.tools():
             ensure(bool(tool.title and tool.hint), f"the tool {tool.id} lacks a title or a hint")
+        known = {tool.id for tool in shell.tools()}
+        modeler = shell.registry.modeler(subject.modeler)
+        for kind in (modeler.state_type, *getattr(modeler, "part_types", ())):
+            for field in parameter_fields(kind):
+                for name in field.parameter.tools:
+                    ensure(
+                        name in known,
+                        f"{kind.__name__}.{field.name}: tools names {name!r}, and there is no tool "
+                        "of that id: no form would ever show it",
+                    )
 
 
 def check_empty(subject: Subject) -> None:

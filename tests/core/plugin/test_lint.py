@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Annotated
+
 import numpy as np
 import pytest
 
+from bozzetto.plugin import Parameter
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.testing.lint import check_package, icon_fault
-from tests.core.plugin.conftest import GOOD_MANIFEST, messages
+from tests.core.plugin.conftest import GOOD_MANIFEST, Faulty, FaultyState, messages
 
 from_svg = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">{}</svg>'
@@ -242,6 +246,23 @@ def test_progress_goes_to_a_screen_and_not_into_a_file(is_a_person, capsys, monk
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err == ("author.thing, ranges (13 of 26) …\n" if is_a_person else "")
+
+
+@dataclass(frozen=True)
+class Wide(FaultyState):
+    width: Annotated[float, Parameter("Width", 0.0, 1.0, tools=("drow",))] = 0.5
+
+
+def test_a_parameter_of_a_tool_that_is_not_there_is_told(faulty, monkeypatch):
+    from bozzetto.testing import checks
+
+    chosen = [entry for entry in checks.CHECKS if entry.name == "announced"]
+    monkeypatch.setattr(checks, "CHECKS", chosen)
+    assert check_package(faulty.package) == []
+    monkeypatch.setattr(Faulty, "state_type", Wide)
+    faulty.misdeeds["create"] = lambda context: Wide()
+    (finding,) = check_package(faulty.package)
+    assert "width: tools names 'drow'" in finding.message
 
 
 def test_a_panel_that_is_announced_and_missing_is_found(make_package, faulty, monkeypatch):
