@@ -473,7 +473,6 @@ class Canvas(QWidget):
 
     def _notice(self, notice: Notice) -> None:
         if notice.places:
-            self._fade_hint()  # it would stand over the words
             self.overlay.light_up(notice.places, notice.text)
 
     def _show_scale(self) -> None:
