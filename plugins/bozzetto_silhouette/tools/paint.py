@@ -62,8 +62,6 @@ def _painted(
         raise UserError("There is no part under the pen. Draw over the shape.")
     if color is None and all(part.color is None for part in touched.values()):
         raise UserError("This part has no paint to take away. Choose a paint colour first.")
-    if color is not None and all(part.color == color for part in touched.values()):
-        raise UserError("This part has the paint colour already. Choose another one first.")
     painted = {id_: replace(part, color=color) for id_, part in touched.items()}
     return replace(state, nodes=tuple(painted.get(node.id, node) for node in state.nodes))
 
