@@ -10,10 +10,12 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QLineEdit, QToolButton, QWidget
 
+from bozzetto.plugin import Context
 from bozzetto_app.actions.menu_actions import NUMBER_ROW
 from bozzetto_app.panels.tool_rail import ToolRail
 from bozzetto_app.testing.stylus import Stylus
 from bozzetto_app.widgets.number_field import NumberField
+from bozzetto_app.widgets.text_field import TextField
 from tests.app.tablet import circle
 
 CTRL = Qt.KeyboardModifier.ControlModifier
@@ -128,3 +130,38 @@ def test_the_sheet_has_the_keys_when_the_welcome_strip_is_closed(make_window, qt
     QTest.mouseClick(close, Qt.MouseButton.LeftButton)
     assert not window.welcome.isVisible()
     assert window.focusWidget() is window.canvas
+
+
+def test_undo_reaches_the_document_from_a_line_of_text_that_was_taken(make_window, settle, qtbot):
+    """Esc gives back what the object has; what is refused stays, to be mended."""
+    window = make_window("bozzetto.car")
+    session = window.session
+    car = session.workbench.create("bozzetto.car", Context())
+    session.drawing.apply_model("New car", car, is_new=True)
+    session.selection.select(car.id)
+    settle(session, window.keeper)
+    qtbot.waitUntil(lambda: window.docks.parameters.is_ready)
+    form = window.docks.parameters.form
+    field = form.rows[("", "tyre")].findChild(TextField)
+    field.setFocus()
+
+    def typed(text):
+        field.selectAll()
+        QTest.keyClicks(field, text)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+        settle(session, window.keeper)
+        return session.selection.model.state.tyre, field.text()
+
+    assert typed("205/55 R16") == ("205/55 R16", "205/55 R16")
+    assert typed("big") == ("205/55 R16", "big")
+    QTest.keyClick(field, Qt.Key.Key_Escape)
+    assert field.text() == "205/55 R16"
+    assert typed("225/45 R17") == ("225/45 R17", "225/45 R17")
+    for kept in ("205/55 R16", ""):
+        QTest.keyClick(field, Qt.Key.Key_Z, CTRL)
+        settle(session, window.keeper)
+        assert (session.selection.model.state.tyre, field.text()) == (kept, kept)
+    QTest.keyClicks(field, "1")
+    QTest.keyClick(field, Qt.Key.Key_Z, CTRL)
+    settle(session, window.keeper)
+    assert (session.selection.model.id, field.text()) == (car.id, "")

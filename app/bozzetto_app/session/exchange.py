@@ -396,7 +396,12 @@ class Exchange(QObject):
             if said is not None:  # what is missing stays until the next one, as with exports
                 self._notices.send(said)
 
-        self._imports.add(self._work.submit(Request(work, done, self._notices.complain)))
+        def failed(problem: BaseException) -> None:
+            if isinstance(problem, UserError):  # its ink is not on this sheet: no place to light
+                problem = UserError(problem.message)
+            self._notices.complain(problem)
+
+        self._imports.add(self._work.submit(Request(work, done, failed)))
 
     def _drop_imports(self) -> None:
         """Stop reading for a document that is closed; what it hands over is still written."""

@@ -182,10 +182,13 @@ class Gestures(QObject):
         if meant == "turn":
             self._notices.say_nothing_changed(tr("Session", "Drag to turn the view."))
             return
-        if meant == "tap":
+        tool = self._toolbox.active
+        if meant == "stroke":
+            wish = tr("Session", "That was too short for a stroke.")
+        elif tool is not None and tool.touches:
             wish = tr("Session", "This tool wants a short tap in one place.")
         else:
-            wish = tr("Session", "That was too short for a stroke.")
+            wish = ""  # a tool of handles alone: its hint says which
         hint = self._toolbox.hint_of(self._toolbox.tool)
         self._notices.say_nothing_changed(f"{wish} {hint}".strip())
 

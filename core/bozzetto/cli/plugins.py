@@ -63,13 +63,14 @@ def _list() -> None:
 
 
 def _check(package: str) -> int:
-    from bozzetto.testing.lint import check_file, check_package
+    from bozzetto.testing.lint import check_file, findings_in
 
     path = Path(package)
     is_file = path.is_file()
-    findings = check_file(path) if is_file else check_package(package, say_on_screen)
-    for finding in findings:
-        print(finding)
+    findings = []
+    for finding in check_file(path) if is_file else findings_in(package, say_on_screen):
+        findings.append(finding)
+        print(finding, flush=True)
     if not any(finding.serious for finding in findings):
         fine = "the file is" if is_file else "manifest, files, import and contract are"
         print(f"{package}: {fine} in order{', but see above' if findings else ''}.")

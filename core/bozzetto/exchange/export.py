@@ -569,7 +569,7 @@ def _check(shapes: Shapes, chosen: Format) -> None:
         raise UserError("There is nothing to export yet. Draw something first.")
     kinds = _kinds_in(shapes)
     if kinds.isdisjoint(chosen.holds):
-        wanted = " or ".join(WORDS.get(kind, kind) for kind in chosen.holds)
+        wanted = " or ".join(WORDS.get(kind, kind) for kind in chosen.holds if kind != "ink")
         useful = [f.endings[0] for f in writers(*kinds)] if kinds else []
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         if chosen.draws and useful:

@@ -18,7 +18,7 @@ from typing import Any, Final
 from bozzetto.document.model import Model
 from bozzetto.document.storage.state_codec import decode_state, encode_state, state_digest
 from bozzetto.errors import Unfinished, UserError
-from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.exchange.mesh.manifold_check import bounds_volume, no_volume_because
 from bozzetto.geometry.brep.tessellation import brep_mesh
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.parameters import Field, parameter_fields
@@ -53,6 +53,16 @@ def check_announced(subject: Subject) -> None:
             ensure(path.is_file(), f"the file {path.relative_to(info.folder)} is missing")
         for tool in shell.tools():
             ensure(bool(tool.title and tool.hint), f"the tool {tool.id} lacks a title or a hint")
+        known = {tool.id for tool in shell.tools()}
+        modeler = shell.registry.modeler(subject.modeler)
+        for kind in (modeler.state_type, *getattr(modeler, "part_types", ())):
+            for field in parameter_fields(kind):
+                for name in field.parameter.tools:
+                    ensure(
+                        name in known,
+                        f"{kind.__name__}.{field.name}: tools names {name!r}, and there is no tool "
+                        "of that id: no form would ever show it",
+                    )
 
 
 def check_empty(subject: Subject) -> None:
@@ -85,10 +95,11 @@ def check_drawing(subject: Subject) -> None:
 
 def _check_solids(shapes: Shapes) -> None:
     for solid in shapes.solids:
+        why = no_volume_because(solid.mesh)
         ensure(
-            bounds_volume(solid.mesh),
-            f"the solid {solid.name!r} is open, inside out or flat, and no program would "
-            "take it; hand over a closed mesh, or a Surface",
+            not why,
+            f"the solid {solid.name!r} is {why}; no program would take it: hand over a closed "
+            "mesh, or a Surface",
         )
     for brep in shapes.breps:
         ensure(

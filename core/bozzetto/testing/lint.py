@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -46,6 +46,11 @@ def _nobody(_: str) -> None:
 
 
 def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list[Finding]:
+    """Check a plugin, and return all that is to be said of it; see `findings_in`."""
+    return list(findings_in(package, begins))
+
+
+def findings_in(package: str, begins: Callable[[str], None] = _nobody) -> Iterator[Finding]:
     """Check a plugin: manifest, icons, templates, import, hooks, modelers, and the whole contract.
 
     Parameters
@@ -57,10 +62,10 @@ def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list
         Told what is tried next, such as "author.thing, ranges (13 of 26)": some of it takes minutes
         where a solve takes a second.
 
-    Returns
-    -------
-    list of Finding
-        Empty where there is nothing to say.
+    Yields
+    ------
+    Finding
+        Those of each modeler once it was tried: who stops waiting has what was found until then.
     """
     ids = {known.id: known.package for known in Registry().plugins()}
     package = ids.get(package, package)
@@ -68,24 +73,26 @@ def check_package(package: str, begins: Callable[[str], None] = _nobody) -> list
         folder = find_folder(package)
         manifest = read_manifest(folder)
     except ManifestError as problem:
-        return [Finding(True, package, problem.message)]
-    findings = [Finding(False, package, warning) for warning in manifest.warnings]
-    findings += _check_icons(folder, [entry.icon for entry in manifest.modelers])
+        yield Finding(True, package, problem.message)
+        return
+    for warning in manifest.warnings:
+        yield Finding(False, package, warning)
+    yield from _check_icons(folder, [entry.icon for entry in manifest.modelers])
     registry = Registry(extra=(package,))
     info = registry.add_package(package)
     if info.status == "broken":
-        return [*findings, Finding(True, manifest.id, info.fault)]
-    findings += _check_templates(registry, folder, manifest)
+        yield Finding(True, manifest.id, info.fault)
+        return
+    yield from _check_templates(registry, folder, manifest)
     if not manifest.modelers:
-        return findings
+        return
     with suppress(UserError, PluginFault):  # told below, of each modeler
         registry.modeler(manifest.modelers[0].id)
-    findings += _check_classes(package)
+    yield from _check_classes(package)
     if package in sys.modules:  # else its import failed, and all else follows from that
-        findings += _check_hooks(package, manifest)
+        yield from _check_hooks(package, manifest)
     for entry in manifest.modelers:
-        findings += _check_modeler(package, entry.id, begins)
-    return findings
+        yield from _check_modeler(package, entry.id, begins)
 
 
 def check_file(path: Path) -> list[Finding]:

@@ -73,7 +73,8 @@ def steps_taken(
         The strokes and the steps.
     context : Context
         The world around; what the model itself shows is added before every gesture, in
-        preview quality, and made only if the gesture looks at it or asks for curves.
+        preview quality, and made only if the gesture looks at it or asks for curves. That the
+        model is alone is not said: no view goes along while a file is read.
     job : Job, optional
         Is told of each step, and stops in the middle of one when nobody waits any more.
     first : int
@@ -87,6 +88,8 @@ def steps_taken(
     Cancelled
     """
     job = job or Job()
+    # Gestures of a file are where the model was seen when they were made: it may go nowhere else.
+    context = replace(context, alone=False)
     count = len(drawing.steps)
     for number, step in enumerate(drawing.steps, first):
         job.checkpoint((number - first) / count, f"Step {number}")

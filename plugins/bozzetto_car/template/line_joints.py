@@ -94,8 +94,8 @@ def next_joints(
     lines = lines_at(template, own)
     if not lines:
         raise UserError(
-            f"No line runs through {template.names[own]}: the edges that meet there are corners of "
-            "patches. Touch another node."
+            f"{template.titles[template.names[own]]}: no line runs through it, for the edges that "
+            "meet there are corners of patches. Touch another node."
         )
     wished = with_joints(template, joints)
     ways = [is_smooth(wished, line) for line in lines]

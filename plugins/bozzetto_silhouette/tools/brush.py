@@ -40,6 +40,9 @@ SMALLEST, LARGEST = 1.0, 400.0
 ROUND: Final = 64
 """Sides of the circle that shows how wide it is."""
 
+RIM: Final = 4.0
+"""Width of the line beneath that circle, of which an edge is seen on both sides, px."""
+
 NO_PAINT = "There is no paint to rub out. Paint with the pen first."
 
 
@@ -106,13 +109,18 @@ def _sized(factor: float, state: SilhouetteState, context: Context) -> Silhouett
     return replace(state, brush_size=float(np.clip(size, SMALLEST, LARGEST)))
 
 
-def _ring(tap: Tap, size: float) -> Lines:
-    """Return a circle of the width of the brush where it is pressed hard."""
+def _ring(tap: Tap, size: float) -> tuple[Lines, Lines]:
+    """Return a circle of the width of the brush where it is pressed hard.
+
+    A dark line within a light one, or the other way round: it may lie on paint of any colour.
+    """
     turn = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
     pixels = (tap.x, tap.y) + 0.5 * size * np.column_stack([np.cos(turn), np.sin(turn)])
     camera = tap.camera
     points = camera.on_plane(pixels, camera.target, camera.axes[2])
-    return Lines(points.astype(np.float32), color="accent", hidden="show")
+    line = points.astype(np.float32)
+    rim = Lines(line, color="paper", width=RIM, hidden="show")
+    return rim, Lines(line, color="ink", hidden="show")
 
 
 def _painted(
@@ -177,7 +185,7 @@ class BrushPreview(Preview[SilhouetteState]):
         """
         if isinstance(gesture, Tap):
             self._start()
-            return Scene((Layer("brush", (_ring(gesture, self.state.brush_size),)),))
+            return Scene((Layer("brush", _ring(gesture, self.state.brush_size)),))
         if not isinstance(gesture, Ink):
             return Scene()
         stroke = gesture.strokes[-1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import stat
 import subprocess
@@ -17,8 +18,12 @@ from bozzetto.atomic_files import FileChanged
 from bozzetto.document.model import Model, OpaqueState, new_id
 from bozzetto.document.recovery.file_lock import FileLock, Locked, document_lock_path, holder
 from bozzetto.exchange.import_file import read_mesh, read_mesh_file
+from bozzetto.exchange.ink.ink_json import write_drawing
 from bozzetto.exchange.mesh.manifold_check import bounds_volume
+from bozzetto.ink import Drawing, Strokes
 from bozzetto.scene import snapshot
+from bozzetto.testing import Pen
+from bozzetto.view import Camera
 from bozzetto_app.session import thumbnail as small_picture
 from bozzetto_app.session.files import LAST_FOLDER
 from bozzetto_app.session.recent_files import recent_files
@@ -351,6 +356,21 @@ def test_opening_a_drawing_makes_a_new_document_of_it(session, settle, tmp_path)
     assert len(session.drawing.document) == 1
     assert session.drawing.path is None
     assert session.drawing.is_modified
+
+
+def test_a_refused_drawing_lights_no_places_of_ink_that_is_not_on_the_sheet(
+    make_session, settle, tmp_path
+):
+    session = make_session("bozzetto.silhouette")
+    settle(session)
+    bend = [(640 + 0.9 * k + 30 * math.sin(k / 6), 700 - 8 * k) for k in range(60)]
+    drawn = Drawing(Strokes([Pen().along(bend)]), Camera())
+    (tmp_path / "bend.json").write_bytes(write_drawing(drawn))
+    session.files.exchange.import_file(tmp_path / "bend.json")
+    settle(session)
+    assert "crosses itself" in session.heard[-1].text
+    assert session.heard[-1].places == ()
+    assert not session.drawing.pending
 
 
 def test_nonsense_is_refused_with_a_sentence(session, settle, tmp_path):

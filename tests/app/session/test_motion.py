@@ -43,6 +43,15 @@ def path_of(count):
     return [(480.0 + 3.0 * k, 330.0 + 2.0 * k) for k in range(count)]
 
 
+def test_what_a_press_was_taken_for_is_said_where_the_tool_takes_it(session):
+    session.gestures.explain("tap")
+    assert "wants a short tap" in session.heard[-1].text
+    box = session.toolbox
+    box.tools = tuple(tool._replace(touches=False) for tool in box.tools)
+    session.gestures.explain("tap")
+    assert session.heard[-1].text == "Nothing changed. Pull the ball."
+
+
 def wait_for_steps(session, qtbot, count):
     had = ball(session).steps
     qtbot.waitUntil(lambda: ball(session).steps >= had + count, timeout=20_000)

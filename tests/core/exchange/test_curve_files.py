@@ -291,7 +291,7 @@ def test_what_no_reader_could_use_is_refused(tmp_path, ending, curve, said):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("ending", ["step", "iges", "dxf", "3dm"])
+@pytest.mark.parametrize("ending", ["step", "iges", "dxf", "3dm", "svg"])
 def test_meshes_are_refused_with_words(ending):
     tetra = Mesh(
         [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]

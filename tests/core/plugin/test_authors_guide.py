@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from bozzetto.exchange.import_file import read_drawing
-from bozzetto.plugin import Modeler, PanelHost, PartsModeler, PartsState, Tool, hooks
+from bozzetto.plugin import API_VERSION, Modeler, PanelHost, PartsModeler, PartsState, Tool, hooks
 from bozzetto.plugin.hooks import hookimpl
 from bozzetto.plugin.host.manifest import read_manifest
 from bozzetto.testing import ModelerContract, Pen, Shell
@@ -106,6 +106,13 @@ def test_ink_file_can_be_read(tmp_path):
     (stroke,) = read_drawing(path).strokes
     assert stroke.camera == Camera()
     assert stroke.has_pressure
+
+
+def test_what_each_version_of_the_contract_added_is_told():
+    """An author learns from it which version to ask for; the manifest takes the newest."""
+    rows = re.findall(r"^\| (2\.\d+) \| ", GUIDE.partition("### Versions of the contract")[2], re.M)
+    major, minor = API_VERSION
+    assert rows == [f"{major}.{number}" for number in range(1, minor + 1)]
 
 
 def test_panel_host_is_explained():

@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
 import pytest
 
+from bozzetto.plugin import Parameter
 from bozzetto.plugin.guard.guard import PluginFault
 from bozzetto.testing.lint import check_package, icon_fault
-from tests.core.plugin.conftest import GOOD_MANIFEST, messages
+from tests.core.plugin.conftest import GOOD_MANIFEST, Faulty, FaultyState, messages
 
 from_svg = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">{}</svg>'
@@ -187,6 +192,51 @@ def test_a_person_sees_which_check_is_at_work(faulty, monkeypatch):
     assert told == ["faulty.modeler, announced (1 of 2)", "faulty.modeler, empty (2 of 2)"]
 
 
+def test_what_was_found_is_told_before_the_next_modeler_is_tried(make_package, monkeypatch):
+    from bozzetto.testing import checks
+    from bozzetto.testing.lint import findings_in
+
+    chosen = [entry for entry in checks.CHECKS if entry.name == "empty"]
+    monkeypatch.setattr(checks, "CHECKS", chosen)
+    second = GOOD_MANIFEST.split("[[modeler]]")[1].replace("}.modeler", "}.second")
+    code = FAILING.replace(
+        "[Failing()]", '[Failing(), type("Second", (Failing,), {"id": second})()]'
+    )
+    package = make_package(
+        "second = __name__ + '.second'" + code, f"{GOOD_MANIFEST}[[modeler]]{second}"
+    )
+    begun: list[str] = []
+    found = findings_in(package, begun.append)
+    assert next(found).where.startswith(f"{package}.modeler")
+    assert begun == [f"{package}.modeler, empty (1 of 1)"]
+    assert [one.where.partition(",")[0] for one in found] == [f"{package}.second"]
+
+
+@pytest.mark.parametrize(
+    ("faces", "told"),
+    [
+        ([], "is without triangles"),
+        ([(0, 2, 1), (0, 1, 3), (1, 2, 3)], "is not closed: 3 of its edges"),
+        (
+            [(0, 1, 2), (0, 3, 1), (1, 3, 2), (0, 2, 3)],
+            "is inside out or flat: its volume is -166.7 mm³",
+        ),
+    ],
+    ids=["nothing", "open", "inside out"],
+)
+def test_what_is_wrong_with_a_solid_is_told(faulty, monkeypatch, faces, told):
+    from bozzetto.geometry import Mesh, Shapes, Solid
+    from bozzetto.testing import checks
+
+    chosen = [entry for entry in checks.CHECKS if entry.name == "drawing"]
+    monkeypatch.setattr(checks, "CHECKS", chosen)
+    corners = [(0.0, 0.0, 0.0), (10.0, 0.0, 0.0), (0.0, 10.0, 0.0), (0.0, 0.0, 10.0)]
+    mesh = Mesh(corners, np.reshape(np.array(faces, np.int32), (-1, 3)))
+    faulty.misdeeds["shapes"] = lambda state, result: Shapes(solids=(Solid(mesh, "box"),))
+    (finding,) = check_package(faulty.package)
+    assert f"the solid 'box' {told}" in finding.message
+
+
 @pytest.mark.parametrize("is_a_person", [True, False])
 def test_progress_goes_to_a_screen_and_not_into_a_file(is_a_person, capsys, monkeypatch):
     from bozzetto.cli.output import say_on_screen
@@ -196,6 +246,23 @@ def test_progress_goes_to_a_screen_and_not_into_a_file(is_a_person, capsys, monk
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err == ("author.thing, ranges (13 of 26) …\n" if is_a_person else "")
+
+
+@dataclass(frozen=True)
+class Wide(FaultyState):
+    width: Annotated[float, Parameter("Width", 0.0, 1.0, tools=("drow",))] = 0.5
+
+
+def test_a_parameter_of_a_tool_that_is_not_there_is_told(faulty, monkeypatch):
+    from bozzetto.testing import checks
+
+    chosen = [entry for entry in checks.CHECKS if entry.name == "announced"]
+    monkeypatch.setattr(checks, "CHECKS", chosen)
+    assert check_package(faulty.package) == []
+    monkeypatch.setattr(Faulty, "state_type", Wide)
+    faulty.misdeeds["create"] = lambda context: Wide()
+    (finding,) = check_package(faulty.package)
+    assert "width: tools names 'drow'" in finding.message
 
 
 def test_a_panel_that_is_announced_and_missing_is_found(make_package, faulty, monkeypatch):

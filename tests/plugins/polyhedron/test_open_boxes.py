@@ -125,3 +125,19 @@ def test_motors_at_the_folds_of_the_sample_shut_its_flaps_while_its_walls_stand(
         for each in (made.machine.rest, motion)
     )
     assert (after < before).all()
+
+
+def test_a_solid_that_is_read_from_a_file_stays_where_the_next_steps_touch_it():
+    """On an empty sheet it is set on the ground, which no step of a file knows of."""
+    bench = Workbench(Registry())
+    sample = FOLDER / "folding-box.json"
+    drawing = read_drawing(sample.read_bytes(), sample.name)
+    drawing = replace(drawing, steps=drawing.steps[:4])
+    states = [
+        run_steps(bench, bench.create("bozzetto.polyhedron", Context()), drawing, context).state
+        for context in (
+            Context(camera=drawing.camera),
+            Context(camera=drawing.camera, alone=True),
+        )
+    ]
+    assert states[0] == states[1]

@@ -513,9 +513,11 @@ def test_the_preview_is_what_the_stroke_leaves_and_only_new_places_are_worked_ou
 def test_a_pen_that_hovers_shows_how_wide_it_paints(size):
     state = ball(brush_size=size)
     scene = BRUSH.begin(state, CONTEXT).update(Tap(500.0, 460.0, FRONT))
-    (item,) = (item for _, item in scene.items())
-    away = np.linalg.norm(FRONT.project(item.points)[0] - (500.0, 460.0), axis=1)
-    assert away == pytest.approx(0.5 * size, abs=0.01)
+    lines = [item for _, item in scene.items()]
+    assert len(lines) == 2, "the line, and its rim"
+    for line in lines:
+        away = np.linalg.norm(FRONT.project(line.points)[0] - (500.0, 460.0), axis=1)
+        assert away == pytest.approx(0.5 * size, abs=0.01)
     assert BRUSH.begin(SilhouetteState(), CONTEXT).update(Tap(500.0, 460.0, FRONT)).layers
 
 

@@ -209,19 +209,12 @@ class ParameterRow(QWidget):
         text = TextField()
         text.setAccessibleName(self.field.parameter.label)
         text.setMaxLength(LONGEST_TEXT)
-        shown = ""
 
         def finished() -> None:
-            if text.text() != shown:
+            if text.text() != text.shown:
                 self.changed.emit(text.text(), False)
-
-        def show(value: str) -> None:
-            nonlocal shown
-            shown = value
-            if not text.isModified() or not text.hasFocus():
-                text.setText(value)
 
         text.editingFinished.connect(finished)
         self._below.addWidget(text)
         self.words.setBuddy(text)
-        self._show = show
+        self._show = text.show_text

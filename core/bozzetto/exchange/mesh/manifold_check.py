@@ -58,7 +58,18 @@ def signed_volume(mesh: Mesh, apex: ArrayLike) -> float:
 
 def bounds_volume(mesh: Mesh) -> bool:
     """Whether a mesh is closed, wound one way, and encloses a positive volume."""
-    return bool(len(mesh.faces)) and _unpaired_edges(mesh) == 0 and enclosed_volume(mesh) > 0
+    return not no_volume_because(mesh)
+
+
+def no_volume_because(mesh: Mesh) -> str:
+    """Return why a mesh bounds no volume, after "is" or "it is", for who made it; "" if it does."""
+    if not len(mesh.faces):
+        return "without triangles"
+    if loose := _unpaired_edges(mesh):
+        return f"not closed: {loose} of its edges are not run once in each direction"
+    if (volume := enclosed_volume(mesh)) <= 0:
+        return f"inside out or flat: its volume is {volume:.4g} mm³"
+    return ""
 
 
 def check_solid(solid: Solid) -> SolidFacts:
