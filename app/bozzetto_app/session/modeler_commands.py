@@ -18,7 +18,7 @@ from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from bozzetto.document.model import Model
+    from bozzetto.document.model import Document, Model
     from bozzetto.plugin.commands import Command
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
@@ -168,7 +168,8 @@ class ModelerCommands(QObject):
             return
         bench, context = self._workbench, self._context.now()
 
-        def work(job: Job, base: Model | None) -> _Outcome | None:
+        def work(job: Job, given: tuple[Model | None, Document]) -> _Outcome | None:
+            base, document = given
             if base is None and not begins:
                 return None
             begun = base or bench.create(modeler, context)
@@ -176,6 +177,8 @@ class ModelerCommands(QObject):
                 return None
             command = bench.commands.find(modeler, wanted) if isinstance(wanted, str) else wanted
             made = bench.commands.run(begun, command, context)
+            if base is None and not made.sources:
+                made = bench.sources.beside(made, document, job)
             only_chosen = base is not None and bench.parts.only_choice_differs(base, made)
             differs = base is None or bench.differs(begun, made, only_chosen=only_chosen)
             return _Outcome(base, made, command.title, only_chosen, differs)
@@ -206,7 +209,12 @@ class ModelerCommands(QObject):
                     self.begun.emit()
 
         self._edits.submit(
-            Request(work, done, self._notices.complain, inputs=lambda: self._selection.model)
+            Request(
+                work,
+                done,
+                self._notices.complain,
+                inputs=lambda: (self._selection.model, self._drawing.document),
+            )
         )
 
     def write(self, command_id: str, path: Path) -> None:

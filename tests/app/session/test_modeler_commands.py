@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
@@ -13,6 +15,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from bozzetto.plugin import Command
 from bozzetto.plugin.host.registry import Registry
+from bozzetto.scene import Shaded
 from bozzetto_app.actions.dynamic_menus import RESERVED
 from tests.adviser import MODELER
 from tests.app.tablet import stroke_of
@@ -319,6 +322,28 @@ def test_the_rough_shape_of_a_product_is_chosen_before_its_first_curve(make_wind
     (model,) = session.drawing.document.models
     kinds = [node.kind for node in model.state.nodes if hasattr(node, "kind")]
     assert "sphere" in kinds
+
+
+def test_what_a_command_begins_stands_beside_what_is_there(make_window, settle):
+    window = make_window("bozzetto.product")
+    session = window.session
+    session.toolbox.ask_for_tools()
+    settle(session)
+    for count in (1, 2, 3):
+        window.actions_.run("command.add-bottle")
+        settle(session)
+        assert len(session.drawing.document.models) == count
+        session.gestures.commit()
+        settle(session)
+    bench = session.workbench
+    boxes = [
+        bench.model_scene(model, bench.best_result(model)).of_kinds(Shaded).bounds()
+        for model in session.drawing.document
+    ]
+    for one, other in itertools.combinations(boxes, 2):
+        assert (np.maximum(one[0], other[0]) > np.minimum(one[1], other[1])).any()
+        assert one[0][2] == pytest.approx(other[0][2])
+    assert session.drawing.document.models[0].placement.is_identity
 
 
 def test_two_commands_with_one_key_leave_it_to_the_first(make_window, marks, settle):
