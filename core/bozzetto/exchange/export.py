@@ -573,7 +573,7 @@ def _check(shapes: Shapes, chosen: Format) -> None:
         useful = [f.endings[0] for f in writers(*kinds)] if kinds else []
         advice = f" Use one of {', '.join(useful)}." if useful else " Draw some first."
         if chosen.draws and useful:
-            advice += " Or write its edges as the view shows them: Outlines (--drawing outlines)."
+            advice += " Or write a drawing of its outlines, as the view shows them."
         raise UserError(f"{chosen.title} holds {wanted}, and there are none.{advice}")
 
 

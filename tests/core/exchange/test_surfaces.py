@@ -329,7 +329,7 @@ def test_flat_formats_say_where_surfaces_go(ending):
         encode_shapes(Shapes(patchworks=(CAR,)), f"a.{ending}")
     for known in (".stl", ".glb", ".step", ".iges", ".3dm"):
         assert caught.value.message.count(known) == 1
-    assert "--drawing outlines" in caught.value.message
+    assert "a drawing of its outlines" in caught.value.message
 
 
 def test_meshes_are_no_exact_surfaces():
