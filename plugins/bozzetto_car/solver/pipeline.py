@@ -22,6 +22,7 @@ from bozzetto.plugin import remembered
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Overlap
+from bozzetto_car.listening import look
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.hyperparameters import Weighed, judge_marks
 from bozzetto_car.solver.initial_cameras import (
@@ -290,6 +291,7 @@ def _solved_as_placed(
 )
 def _placed(template: Template, sketch: Sketch) -> Placed:
     """Return a sketch with the camera that the template gives it; dimensions have no say in it."""
+    look()
     return place_sketch(template, sketch)
 
 
