@@ -18,8 +18,8 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.dimensions import Dimensions
-from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.marks_file import car_from_facts
+from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.prior import Cost
 from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
