@@ -32,14 +32,16 @@ def sharpened(sketch: Sketch, edits: Iterable[object]) -> Sketch:
         The sketch as a person has marked it.
     edits : iterable
         Edits of the body. Strokes count that were drawn on this sketch along edges that they name,
-        with nodes that follow, on a body that was not stretched.
+        with nodes that follow, on a body that was not stretched, before anything was dragged or
+        treated: that stays where it was put, whatever is traced later.
     """
     marked = {mark.node: (mark.u, mark.v) for mark in sketch.marks}
     ends: dict[str, list[tuple[float, float]]] = {}
     for edit in edits:
+        if not isinstance(edit, TracedEdges):
+            break
         if (
-            isinstance(edit, TracedEdges)
-            and edit.sketch == sketch.id
+            edit.sketch == sketch.id
             and edit.nodes_follow
             and edit.edges
             and not edit.dimensions.given()

@@ -51,10 +51,11 @@ def test_work_looks_at_its_job_every_tenth_of_a_second(name: str) -> None:
 
 
 def test_a_file_is_stopped_at_every_look_and_read_the_same_afterwards() -> None:
-    facts = marks_in("hatchback")
+    facts, watch = marks_in("hatchback"), []
     forget_all()
-    whole = read(facts, Job())
-    for last in (2, 7, 60):
+    whole = read(facts, Job(progress=lambda share, step: watch.append(step)))
+    assert len(watch) > 20
+    for last in (2, len(watch) // 3, len(watch) - 1):
         forget_all()
         looks = 0
 

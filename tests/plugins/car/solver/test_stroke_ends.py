@@ -14,7 +14,7 @@ from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.stroke_ends import sharpened
-from bozzetto_car.state import CarState, TracedEdges
+from bozzetto_car.state import CarState, MovedNode, TracedEdges
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from tests.plugins.car.drawn_cars import drawn, marks_in
 from tests.plugins.car.sketched import FRONT_QUARTER, REAR_QUARTER, apart, rms
@@ -68,6 +68,9 @@ def test_only_strokes_that_nodes_follow_on_this_sketch_and_this_body_count(car: 
         [],
     ):
         assert sharpened(sketch, wrong) is sketch
+    drag = MovedNode(node="C4", by=(0.0, 0.0, 10.0))
+    assert sharpened(sketch, [drag, *rows]) is sketch
+    assert sharpened(sketch, [*rows, drag]).marks == sharpened(sketch, rows).marks
     assert sharpened(sketch, rows[::-1]).marks == sharpened(sketch, rows).marks
 
 
