@@ -1,8 +1,9 @@
-"""Eight cars of our own: nodes in places, and edges with tangents, that no template has.
+"""Ten cars of our own: nodes in places, and edges with tangents, that no template has.
 
 A wedge of a saloon whose roof runs down to a short tail, a tall round hatchback, and a long van
 that is one box are laid out node by node; a long low coupé, a raked estate, a square SUV, a pickup
-with a short cab, and a short van with a bonnet by the ways of their nodes from a template's.
+with a short cab, a short van with a bonnet, a bubble of a city car and a formal limousine by the
+ways of their nodes from a template's.
 `truth` gives the network of a car and the cameras of its drawings; nothing of it stands in the
 marks files of the gallery, so that what is found from these can be judged by it.
 """
@@ -39,9 +40,17 @@ VIEWS: Mapping[str, tuple[tuple[float, float, float], ...]] = {
     "suv": ((38.0, 11.0, 8.0),),
     "pickup": ((-46.0, 12.0, 10.0),),
     "van": ((52.0, 9.0, 10.0),),
+    "city_car": ((-40.0, 12.0, 6.5),),
+    "limousine": ((36.0, 9.0, 10.5),),
 }
 """From where cars are drawn: azimuth (0 looks at the nose, 90 at the right side) and elevation,
 degrees, and distance, m; from infinity it is an orthographic drawing."""
+
+PHOTOGRAPHED: Mapping[str, tuple[float, float, float]] = {
+    "coupe": (34.0, 7.0, 6.5),
+    "estate": (-44.0, 10.0, 8.5),
+}
+"""The same of the pictures that look like photographs, one a car."""
 
 NODES: Mapping[str, Mapping[str, Point]] = {
     "sedan": {  # a wedge: low nose, long bonnet, the roof runs down to a short upswept tail
@@ -126,6 +135,24 @@ WAYS: Mapping[str, Mapping[str, Point]] = {
         "R3": (-400, -8, -70), "B1": (0, 12, 5), "B2": (30, 18, 0), "B3": (0, 20, 0),
         "B4": (-190, 18, 0), "B5": (-370, 14, 5), "WF": (0, 16, 6), "WR": (-240, 18, 6),
     },
+    "city_car": {  # a bubble: the nose short and high, the roof round, the tail upright
+        "C0": (10, 0, 10), "C1": (5, 0, 35), "C2": (-50, 0, 40), "C3": (-60, 0, 45),
+        "C4": (-30, 0, 60), "C5": (35, 0, 20), "C6": (45, 0, -15), "C7": (30, 0, 0),
+        "C8": (25, 0, 5),
+        "S1": (0, 22, 30), "S2": (-50, 26, 35), "S3": (0, 30, 20), "S4": (35, 26, -5),
+        "S5": (40, 22, -15), "S6": (30, 20, 0), "R1": (-60, 14, 42), "R2": (-30, 18, 55),
+        "R3": (35, 12, 22), "B1": (5, 20, 5), "B2": (-20, 26, 0), "B3": (0, 28, 0),
+        "B4": (20, 26, 0), "B5": (25, 20, 10), "WF": (-15, 22, 10), "WR": (20, 22, 10),
+    },
+    "limousine": {  # low and formal: a longer bonnet, an upright rear window, a flat tail
+        "C0": (-30, 0, -5), "C1": (-45, 0, -20), "C2": (70, 0, -15), "C3": (60, 0, -25),
+        "C4": (40, 0, -15), "C5": (90, 0, 10), "C6": (20, 0, 15), "C7": (60, 0, 5),
+        "C8": (45, 0, 0),
+        "S1": (-30, 15, -15), "S2": (70, 22, -10), "S3": (40, 25, -5), "S4": (20, 24, 10),
+        "S5": (55, 15, 5), "R1": (60, 8, -25), "R2": (40, 10, -15), "R3": (85, 8, 10),
+        "B1": (-20, 15, 0), "B2": (30, 22, -5), "B3": (30, 25, -5), "B4": (40, 22, -5),
+        "B5": (50, 15, 5), "WF": (-15, 20, 6), "WR": (55, 22, 6),
+    },
 }  # fmt: skip
 """Ways of nodes from those of the template, mm."""
 
@@ -135,6 +162,8 @@ LIKE: Mapping[str, str] = {
     "suv": "hatchback",
     "pickup": "sedan",
     "van": "minivan",
+    "city_car": "hatchback",
+    "limousine": "sedan",
 }
 """Cars whose corners, lamps and gaps are those of another one."""
 
@@ -183,12 +212,18 @@ bulges more than that of the template."""
 def truth(template: Template) -> tuple[Network, tuple[Camera, ...]]:
     """The car that was drawn on a template's topology, and the cameras it was drawn through."""
     network = turned(Network.of(template, placed(template)))
-    feet = SCREENS[template.id].items()
+    feet = SCREENS.get(template.id, {}).items()
     network = with_tangents(
         network, {(edge_called(template, edge), end): way for edge, (end, way) in feet}
     )
     network = pull_out_panels(cornered(streamlined(network)))
     return network, tuple(camera(network.positions, *view) for view in VIEWS[template.id])
+
+
+def photographed(template: Template) -> tuple[Network, Camera]:
+    """The car of a picture that looks like a photograph, and its camera."""
+    network, _ = truth(template)
+    return network, camera(network.positions, *PHOTOGRAPHED[template.id])
 
 
 def kind_of(template: Template) -> str:

@@ -20,7 +20,18 @@ if TYPE_CHECKING:
     from bozzetto_car.state import CarState, Sketch
 
 CARS = GALLERY / "car"
-DRAWN = ("sedan", "hatchback", "minivan", "coupe", "estate", "suv", "pickup", "van")
+DRAWN = (
+    "sedan",
+    "hatchback",
+    "minivan",
+    "coupe",
+    "estate",
+    "suv",
+    "pickup",
+    "van",
+    "city_car",
+    "limousine",
+)
 PANEL = (640, 400)
 """Size of one of six pictures, px: cut like the sketches."""
 

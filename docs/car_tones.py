@@ -24,6 +24,8 @@ PAINTS: Final[dict[str, Color]] = {
     "suv": (112, 138, 84),
     "pickup": (178, 120, 74),
     "van": (120, 132, 142),
+    "city_car": (206, 178, 74),
+    "limousine": (96, 98, 110),
 }
 """Of the cars, and of what is behind them."""
 

@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from itertools import chain
-
 import numpy as np
 
-from bozzetto.geometry import Curve, Patchwork, Shapes
+from bozzetto.geometry import Brep, Curve, Patchwork, Shapes
 from bozzetto_car.body.build import Body
-from bozzetto_car.body.wheels import on_tyres
-from bozzetto_car.parts.body_lines import body_lines
-from bozzetto_car.parts.closed_body import closed_body
-from bozzetto_car.parts.looks import GLASS, PAINT
-from bozzetto_car.parts.trim import shut_lines, trim_of
-from bozzetto_car.parts.wheel_arches import cut_panels
-from bozzetto_car.parts.wheels import wheels_of
-from bozzetto_car.parts.windows import inserts
+from bozzetto_car.parts.part_list import added_lines, added_parts, exact_body, wheel_parts
 from bozzetto_car.state import CarState
 from bozzetto_car.styling.curve_fit import as_curves
 from bozzetto_car.styling.scene import shown_styling
@@ -40,25 +30,15 @@ def shapes_of(state: CarState, body: Body) -> Shapes:
     lines = styling_curves(state, body)
     if not state.is_begun:
         return Shapes(curves=lines)
-    network, nets = on_tyres(body.network, state.tyre), body.nets
-    sunk = state.complete and state.body
-    wheels = wheels_of(network, nets, state.tyre, sunk=sunk) if state.wheels else []
-    if not state.body:
-        return Shapes(curves=lines, breps=tuple(wheels))
-    if not state.complete:
-        return Shapes(curves=lines, patchworks=(_panels(body),), breps=tuple(wheels))
-    trim = trim_of(network, nets, with_mirrors=state.mirrors)
-    drawn = chain(shut_lines(network, nets), body_lines(network, nets, cut_panels(network, nets)))
+    drawn = added_lines(state, body)
     lines += tuple(Curve(3, ONE_SPAN, points, name=name) for name, points in drawn)
-    solids = (closed_body(network, nets), *inserts(network, nets), *wheels, *trim)
-    return Shapes(curves=lines, breps=solids)
-
-
-def _panels(body: Body) -> Patchwork:
-    """Return the surfaces with the material of each panel; paint is of the object's colour."""
-    paint = PAINT._replace(color=None)
-    looks = (GLASS if patch.glass else paint for patch in body.template.patches)
-    return replace(body.patchwork, patch_looks=tuple(looks))
+    shell = exact_body(state, body) if state.body else None
+    works = (shell,) if isinstance(shell, Patchwork) else ()
+    solids = (shell,) if isinstance(shell, Brep) else ()
+    parts = [*added_parts(state, body), *wheel_parts(state, body)]
+    return Shapes(
+        curves=lines, patchworks=works, breps=(*solids, *(part.exact() for part in parts))
+    )
 
 
 def curves_of(state: CarState, body: Body) -> tuple[Curve, ...]:

@@ -16,6 +16,7 @@ from bozzetto.plugin import Job, TemplateFile
 from bozzetto.scene import Picture
 from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.sketch_camera import upright_camera
+from bozzetto_car.listening import listening
 from bozzetto_car.report import SHORT
 from bozzetto_car.state import CarState, Mark, Sketch, StylingCurve, TracedEdges
 from bozzetto_car.styling.curve import project_stroke
@@ -80,7 +81,7 @@ def car_from_facts(
     pictures : mapping of str to Picture
         Pictures by the names of their files.
     job : Job, optional
-        Asked before each styling curve: for the first one the car is solved.
+        Asked before each styling curve and while the car is solved, which is for the first one.
     brought : sequence of TemplateFile
         Templates of plugins.
 
@@ -108,8 +109,8 @@ def car_from_facts(
     job = job or Job()
     curves = a_list(facts.get("styling", []), "styling", MOST_NAMES)
     for number, value in enumerate(curves):
-        job.checkpoint(number / len(curves), "Styling curves")
-        state = _styled(state, an_object(value, f"styling[{number}]"), f"styling[{number}]")
+        with listening(job, number / len(curves), "Styling curves"):
+            state = _styled(state, an_object(value, f"styling[{number}]"), f"styling[{number}]")
     return state
 
 

@@ -27,6 +27,7 @@ from bozzetto_car.body.build import Body, body_at_rest_of, body_of, preview_of
 from bozzetto_car.body.edge_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of
+from bozzetto_car.listening import listening
 from bozzetto_car.marking.standing_mesh import standing_mesh
 from bozzetto_car.marks_file import (
     car_from_facts,
@@ -47,6 +48,9 @@ from bozzetto_car.view.view_advice import advice_following, advice_on, view_afte
 NO_MARKS: Final = (
     "This file holds no marks of a car. Give a file with “views”, or drop a picture and mark it."
 )
+
+
+SOLVING: Final = "Cameras and shape"
 
 
 class Car(PartsModeler[CarState, Body]):
@@ -122,8 +126,8 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def solve(self, state: CarState, job: Job) -> Body:
         """Solve cameras, shape and surfaces; see `solver` and `body`."""
-        job.checkpoint(0.0, "Cameras and shape")
-        return preview_of(state) if job.quality == "preview" else body_at_rest_of(state)
+        with listening(job, 0.0, SOLVING):
+            return preview_of(state) if job.quality == "preview" else body_at_rest_of(state)
 
     @override
     def scene(self, state: CarState, result: Body | None) -> Scene:
@@ -161,8 +165,8 @@ class Car(PartsModeler[CarState, Body]):
     @override
     def view_advice(self, state: CarState, camera: Camera, job: Job) -> ViewAdvice:
         """Return whether the view is through the sketch, and the way back to it."""
-        job.checkpoint(0.0, "Cameras and shape")
-        return advice_on(state, body_of(state), camera)
+        with listening(job, 0.0, SOLVING):
+            return advice_on(state, body_of(state), camera)
 
     @override
     def view_after(self, seen: CarState, state: CarState, camera: Camera) -> Camera | None:

@@ -373,7 +373,7 @@ class CarState(PartsState):
             "Shading",
             help="What the colour of the body shows.",
             choices=(
-                ("shaded", "Clay"),
+                ("shaded", "Paint and glass"),
                 ("zebra", "Zebra: reflection lines"),
                 ("curvature", "Curvature"),
                 ("certainty", "Seen, mirrored or guessed"),

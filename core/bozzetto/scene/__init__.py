@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from bozzetto.scene.palette import DARK as DARK
     from bozzetto.scene.palette import LIGHT as LIGHT
     from bozzetto.scene.palette import Palette as Palette
+    from bozzetto.scene.part_display import SHOWN_FINISHES as SHOWN_FINISHES
+    from bozzetto.scene.part_display import in_look as in_look
     from bozzetto.scene.part_display import shaded_part as shaded_part
     from bozzetto.scene.picking import Hits as Hits
     from bozzetto.scene.picking import SceneSurface as SceneSurface
@@ -56,7 +58,7 @@ else:
             "bozzetto.scene.picking": "Hits SceneSurface cast_rays",
             "bozzetto.scene.renderer.renderer": "render",
             "bozzetto.scene.renderer.zbuffer": "DepthBuffer blank_buffer rasterize",
-            "bozzetto.scene.part_display": "shaded_part",
+            "bozzetto.scene.part_display": "SHOWN_FINISHES in_look shaded_part",
             "bozzetto.scene.surface_places": "FollowedPlaces SurfacePlaces follow located "
             "surface_mesh topology_of",
             "bozzetto.scene.surface_runs": "depth_breaks unbroken_runs",

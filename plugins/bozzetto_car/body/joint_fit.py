@@ -30,6 +30,7 @@ from bozzetto.ink import FARTHEST
 from bozzetto.plugin import cached_property
 from bozzetto_car.body.edge_pictures import UNSEEN
 from bozzetto_car.camera.rational_projection import AT_EYE, POWERS, TINY
+from bozzetto_car.listening import look
 from bozzetto_car.template.network import HANDLE, EdgeJunction, Network
 
 LEEWAY: Final = 0.1
@@ -253,6 +254,7 @@ class JointFit:
             return None
         mixed = _Mixed(self._scales)
         for _ in range(STEPS):
+            look()
             step, gain = self._step(here)
             if np.abs(step / self._scales).max(initial=0.0) < SETTLED:
                 break

@@ -30,6 +30,7 @@ from bozzetto_car.camera.rational_projection import (
     places_of,
     slopes_at,
 )
+from bozzetto_car.listening import look
 from bozzetto_car.solver.prior import DEVIATION
 from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network, junctions, with_positions, with_tangents
@@ -281,6 +282,7 @@ class _Fit:
         parts: list[_Part] = []
         goals: list[_Goal] = []
         for number, line in enumerate(self.lines):
+            look()
             there = seen_on if line.map_ is None else stretch(seen_on, line.map_)
             try:
                 run, own = self._looked_at(number, line, there)

@@ -7,9 +7,11 @@ dark band on the panel around it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final, Self
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +20,6 @@ from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches import bernstein, grid
 from bozzetto.plugin import remembered
-from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
 from bozzetto_car.tyre_size import TyreSize, tyre_size
 
@@ -86,6 +87,9 @@ OVER_EDGE: Final = 1e-3
 REMEMBERED: Final = 8
 """Number of cars on tyres, and of sizes of wheels, that are remembered."""
 
+NO_ARCHES: Final[Mapping[int, float]] = MappingProxyType({})
+"""Of a car whose arches are not cut."""
+
 OVER_HULL: Final = 0.05
 """How far a patch may reach beyond its control points there, as a share of their box: more than
 six times `OVER_EDGE` on each axis, for the weights of control points are within −3 and 1 + 3
@@ -149,8 +153,33 @@ class Proportions:
         return np.asarray(np.array(SPOKE) * (self.rim, self.rim, self.width))
 
 
-def wheel_meshes(network: Network, nets: Array, tyre: str = "") -> tuple[Mesh, ...]:
-    """Return the meshes of the right and the left wheels with the gaps below their arches.
+class WheelMeshes(NamedTuple):
+    """A right wheel as it is seen.
+
+    Attributes
+    ----------
+    tyre : Mesh
+        With the gap below its arch.
+    rim : Mesh
+    centre : (3,) float
+        mm.
+    radius : float
+        mm.
+    reach : float
+        How far right the panel beside it reaches, mm.
+    """
+
+    tyre: Mesh
+    rim: Mesh
+    centre: Array
+    radius: float
+    reach: float
+
+
+def wheel_meshes(
+    network: Network, nets: Array, tyre: str = "", arches: Mapping[int, float] = NO_ARCHES
+) -> list[WheelMeshes]:
+    """Return the meshes of the right wheels that are above the ground, front first.
 
     Parameters
     ----------
@@ -160,56 +189,55 @@ def wheel_meshes(network: Network, nets: Array, tyre: str = "") -> tuple[Mesh, .
         The patches of the body, mm.
     tyre : str
         Size of its tyres; "" for those of the sections.
+    arches : mapping of int to float
+        Radius of the arch, mm, that the gap of the front (0) and the rear wheel (1) reaches to.
     """
-    pieces: list[Piece] = []
     sizes = Proportions.of(tyre)
-    wheels = _wheels(network)
-    for (centre, radius), (reach, band) in zip(wheels, _beside(nets, wheels), strict=True):
-        vertices, normals, faces, colors = _unit_wheel(sizes)
+    wheels, made = _wheels(network), []
+    gaps = np.tile(GAP, (len(wheels), 1))
+    for row, (number, _, radius) in zip(gaps, wheels, strict=True):
+        row[-1] = arches.get(number, row[-1] * radius) / radius
+    for (_, centre, radius), (reach, band) in zip(wheels, _beside(nets, wheels, gaps), strict=True):
         face = reach + DEEPEST * sizes.width * radius
-        placed = vertices * radius + (centre[0], face, centre[2])
-        pieces += [(placed, normals, faces, colors), *_gap(band)]
-    if not pieces:
-        return ()
-    right = _joined(pieces)
-    return _as_mesh(right), _as_mesh(_mirrored(right))
+        to = (centre[0], face, centre[2])
+        rubber, metal = (
+            (vertices * radius + to, normals, faces, colors)
+            for vertices, normals, faces, colors in _unit_wheel(sizes)
+        )
+        seen = (_as_mesh(_joined([rubber, *_gap(band)])), _as_mesh(metal))
+        made.append(WheelMeshes(*seen, centre, radius, reach - LAID))
+    return made
 
 
-def wheel_places(network: Network, nets: Array) -> list[tuple[Array, float, float]]:
-    """Return centre, radius and the reach of the panel beside it, mm, of the right wheels."""
-    wheels = _wheels(network)
-    return [
-        (centre, radius, reach - LAID)
-        for (centre, radius), (reach, _) in zip(wheels, _beside(nets, wheels), strict=True)
-    ]
-
-
-def _wheels(network: Network) -> list[tuple[Array, float]]:
-    """Return centre and radius, mm, of the right wheels that are above the ground."""
+def _wheels(network: Network) -> list[tuple[int, Array, float]]:
+    """Return number, centre and radius, mm, of the right wheels that are above the ground."""
     centres = network.positions[network.template.wheels[:, 0]]
-    return [(centre, float(centre[2])) for centre in centres if centre[2] > 0.0]
+    return [(at, own, float(own[2])) for at, own in enumerate(centres) if own[2] > 0.0]
 
 
 # -- the body beside a wheel -----------------------------------------------------------------------
 
 
-def _beside(nets: Array, wheels: list[tuple[Array, float]]) -> list[tuple[float, Array]]:
+def _beside(
+    nets: Array, wheels: list[tuple[int, Array, float]], gaps: Array
+) -> list[tuple[float, Array]]:
     """Return how far the panel beside each wheel reaches, mm, and the circles (c, n, 3) of its gap.
 
-    Both are `LAID` outside the panel.
+    Their radii, per radius of the wheel, are the rows of `gaps`. Both are `LAID` outside the panel.
     Places on the circles where there is no panel are NaN.
     """
     if not wheels:
         return []
-    centres = np.array([centre for centre, _ in wheels])
-    radii = np.array([radius for _, radius in wheels])
+    centres = np.array([centre for _, centre, _ in wheels])
+    radii = np.array([radius for _, _, radius in wheels])
     ring = np.linspace(0.0, 2.0 * np.pi, STEPS, endpoint=False) - 0.5 * np.pi
-    circles = radii[:, None, None] * np.array((*FELT, *GAP))[:, None]
+    shares = np.concatenate((np.tile(FELT, (len(wheels), 1)), gaps), axis=1)
+    circles = radii[:, None, None] * shares[..., None]
     x = centres[:, 0, None, None] + circles * np.cos(ring)
     z = centres[:, 2, None, None] + circles * np.sin(ring)
     y = _panel(nets, np.stack((x.ravel(), z.ravel()), axis=1)).reshape(x.shape) + LAID
     places, found = np.stack((x, y, z), axis=-1), []
-    for (centre, _), felt, own in zip(wheels, y[:, :-1], places, strict=True):
+    for (_, centre, _), felt, own in zip(wheels, y[:, :-1], places, strict=True):
         reach = float(np.max(felt[np.isfinite(felt)], initial=float(centre[1])))
         found.append((reach, own[len(FELT) :]))
     return found
@@ -291,12 +319,12 @@ def _gap(band: Array) -> list[Piece]:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _unit_wheel(sizes: Proportions) -> Piece:
-    """Return a right wheel of radius 1 whose outer face is at y = 0."""
+def _unit_wheel(sizes: Proportions) -> tuple[Piece, Piece]:
+    """Return tyre and rim of a right wheel of radius 1 whose outer face is at y = 0."""
+    tyre, *rim = (_turned(color, sizes.section(line)) for color, line in TURNED)
     spoke = _spoke(sizes)
     turns = np.arange(SPOKES) * 2.0 * np.pi / SPOKES
-    spokes = [_turned_about(spoke, float(turn)) for turn in turns]
-    return _joined([*(_turned(color, sizes.section(line)) for color, line in TURNED), *spokes])
+    return tyre, _joined([*rim, *(_turned_about(spoke, float(turn)) for turn in turns)])
 
 
 def _turned(color: Color, section: Array) -> Piece:
@@ -353,10 +381,6 @@ def _turned_about(piece: Piece, turn: float) -> Piece:
     cos, sin = np.cos(turn), np.sin(turn)
     matrix = np.array([[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos]])
     return piece[0] @ matrix.T, piece[1] @ matrix.T, piece[2], piece[3]
-
-
-def _mirrored(piece: Piece) -> Piece:
-    return piece[0] * MIRROR, piece[1] * MIRROR, piece[2][:, ::-1], piece[3]
 
 
 def _joined(pieces: list[Piece]) -> Piece:

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from bozzetto.arrays import Array
 from bozzetto.geometry.patches import Patchwork, shaded
 from bozzetto.plugin import remembered
-from bozzetto.scene import Layer, Palette, Scene, Shaded, render
+from bozzetto.scene import Layer, Palette, Scene, Shaded, in_look, render
 from bozzetto.view import Camera, fit_points, triple
-from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.parts.part_list import seen_parts
+from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.model import Template, ViewHint
 from bozzetto_car.template.network import Network
@@ -144,5 +145,6 @@ def _scene(template: Template, tinted: tuple[str, ...], palette: Palette) -> Sce
         colors[number, :, :3] = np.rint(TINT * np.array(over) + (1.0 - TINT) * clay)
     body = Shaded(replace(mesh, colors=colors.reshape(-1, 4)))
     lines = network_lines(network.control_points, "ink", 1.0, 0.35, hidden="hide")
-    wheels = tuple(Shaded(wheel) for wheel in wheel_meshes(network, nets))
+    seen = seen_parts(wheels_of(network, nets, sunk=False))
+    wheels = tuple(in_look(mesh, look) for mesh, look in seen)
     return Scene((Layer("car", (body, *wheels, lines)),))

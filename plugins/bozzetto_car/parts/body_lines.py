@@ -52,7 +52,7 @@ def body_lines(
         The panels that arches divide (`cut_panels`); a wheel without any is passed by closely.
     """
     template = network.template
-    arches = _arches(network, nets, cut)
+    arches = _arches(network, cut)
     for number, patch in enumerate(template.patches):
         if not patch.name.endswith(".R") or patch.glass:
             continue
@@ -74,25 +74,14 @@ def _line(net: Array, side: int, share: float) -> Array:
     return np.asarray(np.tensordot(bernstein([share])[0], along, axes=(0, 1)))
 
 
-def _arches(
-    network: Network, nets: Array, cut: Mapping[int, CutPanel]
-) -> list[tuple[Array, float]]:
+def _arches(network: Network, cut: Mapping[int, CutPanel]) -> list[tuple[Array, float]]:
     """Return centre and radius of what lines leave out around the wheels on the right, mm."""
-    found = []
-    for centre in network.positions[network.template.wheels[:, 0]]:
-        radii = [
-            float(np.linalg.norm((_place(nets[number], arc.value([0.5])[0]) - centre)[[0, 2]]))
-            for number, panel in cut.items()
-            for arc in panel.arcs
-        ]
-        near = [radius for radius in radii if radius < 1.01 * RADII[0] * centre[2]]
-        found.append((centre, near[0] if near else RADII[-1] * float(centre[2])))
-    return found
-
-
-def _place(net: Array, at: Array) -> Array:
-    u, v = bernstein(at)
-    return np.asarray(np.einsum("i,j,ijk->k", u, v, net))
+    radii = {panel.wheel: panel.radius for panel in cut.values()}
+    centres = network.positions[network.template.wheels[:, 0]]
+    return [
+        (centre, radii.get(wheel, RADII[-1] * float(centre[2])))
+        for wheel, centre in enumerate(centres)
+    ]
 
 
 def _pieces(line: Array, arches: list[tuple[Array, float]]) -> Iterator[tuple[Zone, Array]]:

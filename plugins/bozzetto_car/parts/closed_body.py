@@ -67,7 +67,7 @@ def closed_body(network: Network, nets: Array) -> Brep:
     others += [left(part) for part in others]
     ordered = [*painted, *map(left, painted), *sorted(others, key=lambda part: part.faces[0].name)]
     try:
-        closed = sewn(ordered, "Body", PAINT.color)
+        closed = sewn(ordered, "Body")
     except ValueError as problem:
         raise UserError(NOT_CLOSED) from problem
     if not closed.is_closed:

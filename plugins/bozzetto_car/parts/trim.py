@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from typing import Final
 
@@ -15,7 +15,6 @@ from bozzetto.geometry import (
     Brep,
     BSplineSurface,
     Curve,
-    Look,
     Mesh,
     ParameterCurve,
     Placement,
@@ -25,7 +24,7 @@ from bozzetto.geometry import (
 )
 from bozzetto.geometry.patches import Places, normals_at, points_at
 from bozzetto.view import triple
-from bozzetto_car.parts.looks import DARK, MIRRORED, PAINT, looking
+from bozzetto_car.parts.looks import DARK, PAINT, CarPart, on_both_sides
 from bozzetto_car.parts.trimmed_face import KNOTS, bezier, cubic_piece
 from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.template.model import MIRROR, Patch, Template
@@ -60,7 +59,7 @@ SEEN: Final = 1.0
 SIDEWAYS: Final = np.array([0.0, 1.0, 0.0])
 
 
-def trim_of(network: Network, nets: Array, *, with_mirrors: bool) -> list[Brep]:
+def trim_of(network: Network, nets: Array, *, with_mirrors: bool) -> list[CarPart]:
     """Return the lips of the wheel arches and the mirrors of both sides.
 
     Parameters
@@ -72,52 +71,71 @@ def trim_of(network: Network, nets: Array, *, with_mirrors: bool) -> list[Brep]:
     with_mirrors : bool
         Whether it has mirrors. A car without a side window never has.
     """
-    made = [*_lips(network, nets)]
+    parts = _lips(network, nets)
     foot = _mirror_foot(network, nets) if with_mirrors else None
     if foot is not None:
-        made.append(("Mirror", PAINT, _mirror().placed(Placement(offset=triple(foot)))))
-    parts = []
-    for name, look, right in made:
-        parts.append(looking(right, f"{name} right", look))
-        parts.append(looking(right.placed(MIRRORED), f"{name} left", look))
+        to = Placement(offset=triple(foot))
+        parts += on_both_sides(
+            "Mirror", PAINT, lambda: _mirror_mesh().placed(to), lambda: _mirror().placed(to)
+        )
     return parts
 
 
 # -- lips ------------------------------------------------------------------------------------------
 
 
-def _lips(network: Network, nets: Array) -> list[tuple[str, Look, Brep]]:
-    """Return the lips of the right arches, with a piece on each panel that an arch cuts."""
+def _lips(network: Network, nets: Array) -> list[CarPart]:
+    """Return the lips of the arches, with a piece on each panel that an arch cuts."""
     axles = network.positions[network.template.wheels[:, 0]]
     count = [0, 0]
-    made = []
+    made: list[CarPart] = []
     for number, panel in cut_panels(network, nets).items():
         for arc in panel.arcs:
-            piece, wheel = _lip(nets[number], arc, axles)
-            count[wheel] += 1
-            which = ("front", "rear")[wheel]
-            name = f"Arch lip {which}" + (f" {count[wheel]}" if count[wheel] > 1 else "")
-            made.append((name, DARK, piece))
+            count[panel.wheel] += 1
+            piece = count[panel.wheel]
+            which = ("front", "rear")[panel.wheel]
+            name = f"Arch lip {which}" + (f" {piece}" if piece > 1 else "")
+            ring = partial(_lip_ring, nets[number], arc, axles[panel.wheel])
+            made += on_both_sides(name, DARK, partial(_lip_mesh, ring), partial(_lip, ring))
     return made
 
 
-def _lip(net: Array, arc: ParameterCurve, axles: Array) -> tuple[Brep, int]:
-    """Return the lip along an arc on a panel as a solid, and the wheel that it goes round."""
-    from scipy.interpolate import make_interp_spline
-
+def _lip_ring(net: Array, arc: ParameterCurve, axle: Array) -> Array:
+    """Return places of a lip along an arc on a panel, (5, n, 3): the lines of its section."""
     at = np.linspace(0.0, 1.0, ALONG_LIP)
     places = Places(np.zeros(ALONG_LIP, np.intp), np.clip(arc.value(at), 0.0, 1.0))
     points, normals = points_at(net[None], places), normals_at(net[None], places)
-    away = np.linalg.norm((points[:, None] - axles)[..., [0, 2]], axis=2).mean(axis=0)
-    wheel = int(np.argmin(away))
-    outward = (points - axles[wheel]) * (1.0, 0.0, 1.0)
+    outward = (points - axle) * (1.0, 0.0, 1.0)
     outward -= (outward * normals).sum(axis=1, keepdims=True) * normals
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    lines = []
-    for along, out in LIP:
-        fit = make_interp_spline(at, points + along * outward + out * normals, k=3)
-        lines.append(Curve(3, fit.t, fit.c))
-    ring = [*lines, lines[0]]
+    return np.array([points + along * outward + out * normals for along, out in LIP])
+
+
+def _lip_mesh(ring: Callable[[], Array]) -> Mesh:
+    """Return the sides of a lip as triangles, each flat across."""
+    lines = ring()
+    ahead = np.roll(lines, -1, axis=0)
+    along = np.gradient(0.5 * (lines + ahead), axis=1)
+    normals = np.cross(lines - ahead, along)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    vertices = np.stack((lines, ahead), axis=1)
+    at = np.arange(vertices[..., 0].size).reshape(vertices.shape[:3])
+    a, b, c, d = at[:, 0, :-1], at[:, 0, 1:], at[:, 1, 1:], at[:, 1, :-1]
+    faces = np.stack((np.stack((a, b, c), axis=-1), np.stack((a, c, d), axis=-1)), axis=-2)
+    return Mesh(
+        vertices.reshape(-1, 3).astype(np.float32),
+        faces.reshape(-1, 3).astype(np.int32),
+        np.repeat(normals[:, None], 2, axis=1).reshape(-1, 3).astype(np.float32),
+    )
+
+
+def _lip(ring: Callable[[], Array]) -> Brep:
+    """Return a lip as a solid."""
+    from scipy.interpolate import make_interp_spline
+
+    at = np.linspace(0.0, 1.0, ALONG_LIP)
+    fits = [make_interp_spline(at, line, k=3) for line in ring()]
+    lines = [Curve(3, fit.t, fit.c) for fit in fits]
     faces = [
         Brep.of_surface(
             BSplineSurface(
@@ -127,11 +145,11 @@ def _lip(net: Array, arc: ParameterCurve, axles: Array) -> tuple[Brep, int]:
                 np.stack((one.control_points, other.control_points)),
             )
         )
-        for one, other in pairwise(ring)
+        for one, other in pairwise([*lines, lines[0]])
     ]
     ends = [np.array([line.control_points[k] for line in lines]) for k in (0, -1)]
     solid = sewn([*faces, *_caps(ends[0]), *(cap.turned_over() for cap in _caps(ends[1]))])
-    return solid.turned_over(), wheel
+    return solid.turned_over()
 
 
 def _caps(section: Array) -> list[Brep]:
@@ -203,23 +221,6 @@ def _beside(corner: int) -> Array:
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     here = corners[corner]
     return np.array([here + MIRROR_AT * (corners[(corner + step) % 4] - here) for step in (1, -1)])
-
-
-def mirror_meshes(network: Network, nets: Array) -> tuple[Mesh, ...]:
-    """Return the mirrors of both sides as triangles for the eye; none without a side window."""
-    foot = _mirror_foot(network, nets)
-    if foot is None:
-        return ()
-    own = _mirror_mesh()
-    normals = None if own.normals is None else own.normals * np.float32(MIRROR)
-    right = replace(own, vertices=own.vertices + np.float32(foot))
-    left = replace(
-        own,
-        vertices=right.vertices * np.float32(MIRROR),
-        faces=own.faces[:, ::-1],
-        normals=normals,
-    )
-    return right, left
 
 
 @cache

@@ -67,12 +67,18 @@ class CutPanel:
         Pieces of the arch, in the sense in which the loops outside run them.
     cut : mapping of int to (float, float)
         The part of each side that is cut out, 0 … 1 in the sense of the loop.
+    wheel : int
+        0 for the front, 1 for the rear one.
+    radius : float
+        Of the arch, mm.
     """
 
     outside: tuple[Path, ...]
     inside: tuple[Path, ...]
     arcs: tuple[ParameterCurve, ...]
     cut: dict[int, Span]
+    wheel: int
+    radius: float
 
 
 @dataclass(frozen=True)
@@ -103,9 +109,9 @@ def cut_panels(network: Network, nets: Array) -> dict[int, CutPanel]:
         Its patches, mm.
     """
     found: dict[int, CutPanel] = {}
-    for centre in network.positions[network.template.wheels[:, 0]]:
+    for wheel, centre in enumerate(network.positions[network.template.wheels[:, 0]]):
         for share in RADII:
-            made = _arch(network, nets, centre, share * centre[2])
+            made = _arch(network, nets, wheel, share * float(centre[2]))
             if made and not made.keys() & found.keys():
                 found |= made
                 break
@@ -136,14 +142,18 @@ def well(panel: CutPanel, net: Array) -> list[Brep]:
     return [*faces, *(face_within(inner, [loop], brought_in) for loop in panel.inside)]
 
 
-def _arch(network: Network, nets: Array, centre: Array, radius: float) -> dict[int, CutPanel]:
+def _arch(network: Network, nets: Array, wheel: int, radius: float) -> dict[int, CutPanel]:
     """Return the panels that an arch divides; none where it does not fit."""
     made: dict[int, CutPanel] = {}
+    centre = network.positions[network.template.wheels[wheel, 0]]
+    away = (nets - centre)[..., [0, 2]].reshape(len(nets), -1, 2)
+    # A panel lies within the box of its control points.
+    near = ((away.min(axis=1) < radius) & (away.max(axis=1) > -radius)).all(axis=1)
     for number, patch in enumerate(network.template.patches):
-        if not patch.name.endswith(".R"):
+        if not near[number] or not patch.name.endswith(".R"):
             continue
         try:
-            panel = _divided(nets[number], centre, radius)
+            panel = _divided(nets[number], centre, wheel, radius)
         except _MisfitError:
             return {}
         if panel is not None and patch.glass:
@@ -164,7 +174,7 @@ def _arch(network: Network, nets: Array, centre: Array, radius: float) -> dict[i
 # -- dividing a panel ------------------------------------------------------------------------------
 
 
-def _divided(net: Array, centre: Array, radius: float) -> CutPanel | None:
+def _divided(net: Array, centre: Array, wheel: int, radius: float) -> CutPanel | None:
     """Return a panel divided by a circle; None where they do not cross.
 
     Raises
@@ -192,6 +202,8 @@ def _divided(net: Array, centre: Array, radius: float) -> CutPanel | None:
         _loops(list(arcs), follower, into),
         tuple(arc for _, arc in arcs.values()),
         cut,
+        wheel,
+        radius,
     )
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.geometry import Brep, Curve, Placement, sewn, surface_of_revolution
+from bozzetto.geometry import Brep, Curve, Mesh, Placement, sewn, surface_of_revolution
+from bozzetto.view import triple
 from bozzetto_car.body.wheels import (
     DEEPEST,
     LAID,
@@ -17,10 +19,11 @@ from bozzetto_car.body.wheels import (
     SPOKE_DEPTH,
     SPOKES,
     Proportions,
-    wheel_places,
+    wheel_meshes,
 )
-from bozzetto_car.parts.looks import CHROME, MIRRORED, RUBBER, looking
+from bozzetto_car.parts.looks import CHROME, RUBBER, CarPart, on_both_sides
 from bozzetto_car.parts.trimmed_face import bezier
+from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.template.network import Network
 
 TYRE_SECTION: Final = (
@@ -41,7 +44,7 @@ BEHIND: Final = 8.0
 AXLE: Final = (0.0, 1.0, 0.0)
 
 
-def wheels_of(network: Network, nets: Array, tyre: str = "", *, sunk: bool = True) -> list[Brep]:
+def wheels_of(network: Network, nets: Array, tyre: str = "", *, sunk: bool = True) -> list[CarPart]:
     """Return the tyres and the rims of all wheels.
 
     Parameters
@@ -55,18 +58,30 @@ def wheels_of(network: Network, nets: Array, tyre: str = "", *, sunk: bool = Tru
     sunk : bool
         Whether they stand in arches; they are outside the panels as they are seen otherwise.
     """
-    made = []
+    made: list[CarPart] = []
     sizes = Proportions.of(tyre)
-    parts = ((_tyre(sizes), "Tyre", RUBBER), (_rim(sizes), "Rim", CHROME))
-    places = wheel_places(network, nets)
-    for (centre, radius, reach), where in zip(places, ("front", "rear"), strict=False):
-        face = reach - BEHIND if sunk else reach + LAID + DEEPEST * sizes.width * radius
-        to = Placement(scale=radius, offset=(float(centre[0]), face, float(centre[2])))
-        for unit, name, look in parts:
-            right = unit.placed(to)
-            made.append(looking(right, f"{name} {where} right", look))
-            made.append(looking(right.placed(MIRRORED), f"{name} {where} left", look))
+    panels = cut_panels(network, nets).values() if sunk else ()
+    meshes = wheel_meshes(network, nets, tyre, {cut.wheel: cut.radius for cut in panels})
+    for mesh, where in zip(meshes, ("front", "rear"), strict=False):
+        proud = LAID + DEEPEST * sizes.width * mesh.radius
+        face = mesh.reach - BEHIND if sunk else mesh.reach + proud
+        x, _, z = triple(mesh.centre)
+        to = Placement(scale=mesh.radius, offset=(x, face, z))
+        for seen, unit, name, look in (
+            (mesh.tyre, _tyre, "Tyre", RUBBER),
+            (mesh.rim, _rim, "Rim", CHROME),
+        ):
+            shown, exact = partial(_as_it_is, seen), partial(_placed, unit, sizes, to)
+            made += on_both_sides(f"{name} {where}", look, shown, exact)
     return made
+
+
+def _as_it_is(mesh: Mesh) -> Mesh:
+    return mesh
+
+
+def _placed(unit: Callable[[Proportions], Brep], sizes: Proportions, to: Placement) -> Brep:
+    return unit(sizes).placed(to)
 
 
 @lru_cache(maxsize=REMEMBERED)

@@ -6,7 +6,9 @@ of the body on all sides by a gap.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -14,7 +16,16 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Look, Mesh, ParameterCurve, sewn
 from bozzetto.geometry.patches import Patchwork, Places, grid, normals_at, shaded, sides_of
-from bozzetto_car.parts.looks import DARK, GLASS, LAMP, TAIL, left, looking
+from bozzetto_car.parts.looks import (
+    DARK,
+    GLASS,
+    LAMP,
+    TAIL,
+    CarPart,
+    left,
+    looking,
+    on_both_sides,
+)
 from bozzetto_car.parts.trimmed_face import bezier, cubic_piece, edge_along, polyline, side_of
 from bozzetto_car.parts.wheel_arches import cut_panels
 from bozzetto_car.template.model import MIRROR, Inset, Patch, Template
@@ -141,8 +152,8 @@ def gap(window: Window, net: Array) -> list[Brep]:
     return [_wall(edge, step) for edge in edges]
 
 
-def inserts(network: Network, nets: Array) -> list[Brep]:
-    """Return the panes, lamps and grilles of a car as solids, those of both sides.
+def inserts(network: Network, nets: Array) -> list[CarPart]:
+    """Return the panes, lamps and grilles of a car, those of both sides.
 
     Parameters
     ----------
@@ -152,19 +163,30 @@ def inserts(network: Network, nets: Array) -> list[Brep]:
         Its patches, mm. A patch that a wheel arch cuts has none.
     """
     cut = cut_panels(network, nets)
-    made = []
+    made: list[CarPart] = []
     for window in windows_of(network.template, nets):
         if window.patch in cut:
             continue
-        half = _insert(window, nets[window.patch])
-        name = _words(window.title)
+        net, name, look = nets[window.patch], _words(window.title), window.look
+        half, laid = partial(_insert, window, net), _piece(window.box, net)
         if window.open >= 0:
-            made.append(looking(sewn([*half, *map(left, half)]), name, window.look))
+            exact = partial(_whole, half, name, look)
+            pieces = [laid, laid.swapaxes(0, 1) * MIRROR]
+            made.append(CarPart(name, look, partial(_laid, pieces), exact))
         else:
-            right = sewn(half)
-            made.append(looking(right, f"{name} right", window.look))
-            made.append(looking(left(right), f"{name} left", window.look))
+            mesh, exact = partial(_laid, [laid]), partial(_sewn, half)
+            made += on_both_sides(name, look, mesh, exact)
     return made
+
+
+def _sewn(half: Callable[[], list[Brep]]) -> Brep:
+    return sewn(half())
+
+
+def _whole(half: Callable[[], list[Brep]], name: str, look: Look) -> Brep:
+    """Return what stands in the middle of the car, of which a half is given."""
+    right = half()
+    return looking(sewn([*right, *map(left, right)]), name, look)
 
 
 def _words(title: str) -> str:
@@ -204,20 +226,11 @@ def _sunk(window: Window) -> float:
     return window.depth + THICKNESS + CLEARANCE
 
 
-def inset_meshes(template: Template, nets: Array) -> list[tuple[Mesh, Look]]:
-    """Return all insets of one look as triangles for the eye, `LAID` outside the body."""
-    windows = windows_of(template, nets)
-    looks = dict.fromkeys(window.look for window in windows)
-    return [
-        (_laid([_piece(w.box, nets[w.patch]) for w in windows if w.look == look]), look)
-        for look in looks
-    ]
-
-
-def _laid(right: list[Array]) -> Mesh:
-    pieces = np.array([*right, *(piece.swapaxes(0, 1) * MIRROR for piece in right)])
-    sides = np.arange(4 * len(pieces), dtype=np.int32).reshape(-1, 4)
-    mesh = shaded(Patchwork(pieces, sides_of(pieces).reshape(-1, 4, 3), sides))
+def _laid(pieces: list[Array]) -> Mesh:
+    """Return pieces of patches as triangles for the eye, `LAID` outside the body."""
+    nets = np.array(pieces)
+    sides = np.arange(4 * len(nets), dtype=np.int32).reshape(-1, 4)
+    mesh = shaded(Patchwork(nets, sides_of(nets).reshape(-1, 4, 3), sides))
     assert mesh.normals is not None
     return replace(mesh, vertices=mesh.vertices + np.float32(LAID) * mesh.normals)
 

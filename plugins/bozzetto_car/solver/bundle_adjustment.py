@@ -24,6 +24,7 @@ from bozzetto.view import triple
 from bozzetto.view.calibration import Poses
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView, Reprojection, Residuals
 from bozzetto_car.dimensions import NONE_BEYOND, Dimensions, Locks, Overlap
+from bozzetto_car.listening import look
 from bozzetto_car.solver.feasible_set import Feasible
 from bozzetto_car.solver.hand import bent_by_hand
 from bozzetto_car.solver.leave_one_out import LeftOut, leave_one_out
@@ -343,6 +344,7 @@ class _Problem:
         last: Array | None = None
         while steps < MOST_STEPS and damping < DAMPINGS[1]:
             steps += 1
+            look()
             step = self.step(here, damping)
             there = None if step is None else self.moved(here, step)
             if step is None or there is None or there.cost >= here.cost:

@@ -22,6 +22,7 @@ import numpy as np
 from bozzetto.arrays import Array, Flags
 from bozzetto.plugin import cached_property
 from bozzetto_car.camera.marked_view import MarkedView
+from bozzetto_car.listening import look
 from bozzetto_car.solver.evidence import (
     Evidence,
     Factored,
@@ -227,6 +228,7 @@ def judge_marks(
     weights = Weights(template, sketches, counted)
     part = weights.likeliest_straight
     while True:
+        look()
         best = max(_losses(weights.of(part), counted, prices), default=NO_CHANGE)
         if best[0] <= 0.0:
             best = max(_returns(template, sketches, part, counted, prices), default=NO_CHANGE)

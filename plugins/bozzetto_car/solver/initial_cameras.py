@@ -67,6 +67,9 @@ class Placed:
         Whether the marks fit a mirrored car: left and right are exchanged.
     problem : str
         Why the camera is not known, and what to do; "" if it is known.
+    told : Sketch or None
+        The sketch with the marks that the camera was found from, where strokes have sharpened
+        those that a person has set.
     """
 
     sketch: Sketch
@@ -77,6 +80,12 @@ class Placed:
     disagreeing: tuple[str, ...] = ()
     exchanged: bool = False
     problem: str = ""
+    told: Sketch | None = None
+
+    @property
+    def as_told(self) -> Placed:
+        """The same with the marks that its camera was found from: where the next solve starts."""
+        return self if self.told is None else replace(self, sketch=self.told, told=None)
 
     @property
     def is_known(self) -> bool:

@@ -22,6 +22,7 @@ from bozzetto.plugin import remembered
 from bozzetto_car.camera.marked_view import MOST_VIEWS, MarkedView
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Overlap
+from bozzetto_car.listening import look
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
 from bozzetto_car.solver.hyperparameters import Weighed, judge_marks
 from bozzetto_car.solver.initial_cameras import (
@@ -33,6 +34,7 @@ from bozzetto_car.solver.initial_cameras import (
 )
 from bozzetto_car.solver.nodes_on_mesh import nodes_on_mesh
 from bozzetto_car.solver.prior import Cost
+from bozzetto_car.solver.stroke_ends import sharpened
 from bozzetto_car.state import TRACE, CarMesh, CarState, Sketch
 from bozzetto_car.template.blend import blended, can_blend
 from bozzetto_car.template.fair_patches import fair_nets
@@ -154,12 +156,12 @@ def solve_car(state: CarState, before: CarState | None = None) -> Solved:
 
 @remembered(limit=REMEMBERED, key=lambda question, state: question)
 def _from_nothing(question: Hashable, state: CarState) -> Solved:
-    return _solved(state, None)
+    return _as_marked(_solved(state, None), state)
 
 
 @remembered(limit=FRAMES, key=lambda questions, state, before: questions)
 def _from_before(questions: Hashable, state: CarState, before: CarState) -> Solved:
-    return _solved(state, solve_car(before))
+    return _as_marked(_solved(state, solve_car(before)), state)
 
 
 def _question(state: CarState) -> tuple[object, ...]:
@@ -173,7 +175,25 @@ def _question(state: CarState) -> tuple[object, ...]:
 
 
 def _taking_part(state: CarState) -> tuple[Sketch, ...]:
-    return state.shown(Sketch)
+    """Return the sketches with what marks and strokes tell of the nodes."""
+    sketches = state.shown(Sketch)
+    if state.cost == "paper" or not state.edits:
+        return sketches
+    return tuple(sharpened(sketch, state.edits) for sketch in sketches)
+
+
+def _as_marked(solved: Solved, state: CarState) -> Solved:
+    """Return a solved car whose sketches have the marks as a person has set them."""
+    own = {sketch.id: sketch for sketch in state.shown(Sketch)}
+    placed = {}
+    for key, one in solved.placed.items():
+        placed[key] = one
+        if one.sketch.marks != own[key].marks:
+            placed[key] = replace(one, sketch=own[key], told=one.sketch)
+            if key in solved.solid:
+                missed = _missed(placed[key], solved.template, solved.positions)
+                placed[key] = replace(placed[key], missed=missed)
+    return replace(solved, placed=placed)
 
 
 def _solved(state: CarState, before: Solved | None) -> Solved:
@@ -183,7 +203,7 @@ def _solved(state: CarState, before: Solved | None) -> Solved:
     soundness = Soundness.of(template, without=names)
     if before is not None and before.template is not template:
         before = None
-    last = {} if before is None else before.placed
+    last = {} if before is None else {key: one.as_told for key, one in before.placed.items()}
     placed = {
         s.id: place_sketch(template, s, last[s.id])
         if s.id in last
@@ -290,6 +310,7 @@ def _solved_as_placed(
 )
 def _placed(template: Template, sketch: Sketch) -> Placed:
     """Return a sketch with the camera that the template gives it; dimensions have no say in it."""
+    look()
     return place_sketch(template, sketch)
 
 
@@ -340,11 +361,7 @@ def _with_residuals(
     """Return a sketch with its camera, and with the residuals of its marks, after a solve."""
     view = joint.views[number]
     sketch_camera = SketchCamera.behind(view.camera, view.shift, positions)
-    nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
-    off = np.linalg.norm(sketch_camera.pixels(positions[nodes]) - marks, axis=1)
-    # A node behind the eye is seen nowhere, so its mark has no distance.
-    named = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
-    missed = {name: px for name, px in named if np.isfinite(px)}
+    missed = _missed(replace(placed, sketch_camera=sketch_camera), template, positions)
     alone = zip(view.nodes, joint.left_out[number].missed, strict=True)
     others = {template.names[n]: float(px) for n, px in alone}
     # A mark that was set aside does not count, so its residual is that of the others' place.
@@ -353,6 +370,15 @@ def _with_residuals(
     return replace(
         placed, sketch_camera=sketch_camera, missed=missed, left_out=others, disagreeing=aside
     )
+
+
+def _missed(placed: Placed, template: Template, positions: Array) -> dict[str, float]:
+    """Return the distance of each mark of a sketch from where its camera sees the node, px."""
+    nodes, marks = counted_marks(replace(placed, disagreeing=()), template)
+    off = np.linalg.norm(placed.sketch_camera.pixels(positions[nodes]) - marks, axis=1)
+    # A node behind the eye is seen nowhere, so its mark has no distance.
+    named = [(template.names[n], float(px)) for n, px in zip(nodes, off, strict=True)]
+    return {name: px for name, px in named if np.isfinite(px)}
 
 
 def _overlap(template: Template) -> Overlap:

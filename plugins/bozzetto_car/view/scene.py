@@ -8,19 +8,22 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.geometry import Mesh
-from bozzetto.geometry.patches import shaded
+from bozzetto.geometry import Look
 from bozzetto.plugin import remembered
-from bozzetto.scene import Image, Item, Layer, Lines, Scene, Shaded
+from bozzetto.scene import Image, Layer, Lines, Scene, Shaded, in_look
 from bozzetto.view import Camera
 from bozzetto_car.body.build import Body, is_shown
-from bozzetto_car.body.wheels import on_tyres, wheel_meshes
-from bozzetto_car.parts.body_lines import body_lines
-from bozzetto_car.parts.trim import mirror_meshes
-from bozzetto_car.parts.windows import inset_meshes
+from bozzetto_car.parts.part_list import (
+    DIVISIONS,
+    added_lines,
+    added_parts,
+    seen_body,
+    seen_parts,
+    wheel_parts,
+    whole_mesh,
+)
 from bozzetto_car.state import CarState, Sketch
 from bozzetto_car.styling.scene import chosen_styling, styling_items
-from bozzetto_car.template.model import MIRROR
 from bozzetto_car.view.edge_items import (
     crease_labels,
     handle_layer,
@@ -34,9 +37,6 @@ from bozzetto_car.view.mark_items import mark_layers
 from bozzetto_car.view.mesh_items import mesh_layers
 from bozzetto_car.view.stroke_items import stroke_layers
 from bozzetto_car.view.surface_colors import certainty_colors, curvature_colors
-
-DIVISIONS: Final = 12
-"""Steps along each side of a patch in the mesh that is shown."""
 
 DRAFT: Final = 0.3
 """Opacity of a body over its sketch."""
@@ -119,50 +119,46 @@ def _body_layer(state: CarState, body: Body) -> Layer:
 def _skin(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
     if not state.body:
         return
-    mesh = _shaded(body)
+    if state.shading != "shaded":
+        yield _whole_skin(state, body)
+        return
+    for mesh, look in seen_body(state, body):
+        yield in_look(mesh, look)
+    for mesh, look in seen_parts(added_parts(state, body)):
+        yield in_look(mesh, _opaque(look))
+    if state.complete and not state.network:
+        lines = np.reshape([points for _, points in added_lines(state, body)], (-1, 4, 3))
+        yield network_lines(lines, SHUT, SHUT_WIDTH, hidden="hide")
+
+
+def _opaque(look: Look) -> Look:
+    """Return a look that is not seen through: behind the panes of a complete car is a dark bed."""
+    return look._replace(finish="gloss") if look.finish == "glass" else look
+
+
+def _whole_skin(state: CarState, body: Body) -> Shaded:
+    """Return the surfaces in a shading of their own, with nothing beside them."""
+    mesh = whole_mesh(body)
     if state.shading == "curvature":
         mesh = replace(mesh, colors=curvature_colors(body.nets, DIVISIONS))
     elif state.shading == "certainty":
         mesh = replace(mesh, colors=certainty_colors(body.template, sources_of(body), DIVISIONS))
-    yield Shaded(
+    return Shaded(
         mesh,
         opacity=DRAFT if state.shading == "draft" else 1.0,
         finish="zebra" if state.shading == "zebra" else "clay",
     )
-    if state.complete and state.shading == "shaded":
-        yield from _trim(state, body)
-
-
-@remembered(limit=REMEMBERED)
-def _shaded(body: Body) -> Mesh:
-    """Return the mesh of the surfaces, which is the same over a drawing and beside it."""
-    return shaded(body.patchwork, DIVISIONS)
-
-
-def _trim(state: CarState, body: Body) -> Iterator[Shaded | Lines]:
-    """Yield what a complete car has besides its surfaces and wheels."""
-    for inset, look in inset_meshes(body.template, body.nets):
-        assert look.color is not None
-        dull = look.finish == "matt"
-        yield Shaded(inset, look.color, pickable=False, finish="rubber" if dull else "gloss")
-    if state.mirrors:
-        for mesh in mirror_meshes(body.network, body.nets):
-            yield Shaded(mesh, pickable=False)
-    if not state.network:
-        right = body.network.control_points[list(body.template.shut_lines)]
-        network = on_tyres(body.network, state.tyre)
-        drawn = [points for _, points in body_lines(network, body.nets, {})]
-        lines = np.concatenate((right, right * MIRROR, np.reshape(drawn, (-1, 4, 3))))
-        yield network_lines(lines, SHUT, SHUT_WIDTH, hidden="hide")
 
 
 @remembered(
-    limit=REMEMBERED, key=lambda state, body: (body, state.wheels, state.shading, state.tyre)
+    limit=REMEMBERED,
+    key=lambda state, body: (
+        (body, state.wheels, state.body, state.complete, state.shading, state.tyre)
+    ),
 )
 def _wheel_layer(state: CarState, body: Body) -> Layer:
     """Return the layer of the wheels; empty over a drawing, which shows its own."""
-    items: tuple[Item, ...] = ()
-    if state.wheels and state.shading != "draft":
-        meshes = wheel_meshes(on_tyres(body.network, state.tyre), body.nets, state.tyre)
-        items = tuple(Shaded(mesh, pickable=False) for mesh in meshes)
-    return Layer("wheels", items)
+    if state.shading == "draft":
+        return Layer("wheels")
+    seen = seen_parts(wheel_parts(state, body))
+    return Layer("wheels", tuple(in_look(mesh, look) for mesh, look in seen))

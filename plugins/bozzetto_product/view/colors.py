@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final
 
-from bozzetto_product.model.appearance import Color, Finish
+from bozzetto_product.model.appearance import Color
 from bozzetto_product.model.patches import Patch
 from bozzetto_product.solve.result import SolvedPatch
 
@@ -22,17 +22,6 @@ CALM: Final[tuple[Color, ...]] = (
     (0xB9, 0xAF, 0xA4),
 )
 """Colours of about one lightness under dark and light lines, warm and cool in turn."""
-
-Sheen = Literal["clay", "gloss", "rubber", "metal"]
-
-SHOWN_FINISHES: Final[dict[Finish, tuple[Sheen, float]]] = {
-    "matt": ("clay", 1.0),
-    "gloss": ("gloss", 1.0),
-    "rubber": ("rubber", 1.0),
-    "metal": ("metal", 1.0),
-    "glass": ("gloss", 0.45),
-}
-"""How a surface is shown by its finish, and its opacity."""
 
 
 def colors_of(patches: Sequence[SolvedPatch]) -> tuple[Color, ...]:

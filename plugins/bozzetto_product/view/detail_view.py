@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Mesh
 from bozzetto.plugin import remembered
-from bozzetto.scene import Handle, Label, Lines, Paint, Shaded
+from bozzetto.scene import SHOWN_FINISHES, Handle, Label, Lines, Paint, Shaded
 from bozzetto.view import triple
 from bozzetto_product.details.bodies import SolvedDetail
 from bozzetto_product.details.ground import Ground, followed_outline
@@ -21,7 +21,6 @@ from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.shaping.wall import NOBODY
 from bozzetto_product.solve.result import ProductResult, WalledBody
-from bozzetto_product.view.colors import SHOWN_FINISHES
 
 APART: Final = 0.82
 """Lightness of a piece that a split tells apart, where no colour is given, against its patch's."""

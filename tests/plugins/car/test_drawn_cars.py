@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,9 +18,11 @@ from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
 from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.dimensions import Dimensions
+from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
+from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.prior import Cost
-from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
+from bozzetto_car.template.loader import PAPER_TEMPLATES, TEMPLATES, bundled
 from bozzetto_car.template.network import Network, edge_called
 from bozzetto_car.template.shape_constraints import Soundness
 from tests.plugins.car.drawn_cars import (
@@ -149,6 +152,64 @@ def test_styling_lines_lie_on_the_body(name: str) -> None:
         camera = car.pictures[line["view"]].camera
         places, _ = ray_hits(nets, *camera.rays(line["points"]))
         assert np.mean(places.patches >= 0) > 0.98
+
+
+# -- one view of each of the others ----------------------------------------------------------------
+
+ONE_VIEW = ("coupe", "estate", "suv", "pickup", "van", "city_car", "limousine")
+PHOTOS = ("coupe-photo", "estate-photo")
+
+WORSE = 1.02
+"""Ratio to the template's own error from which a car counts as worse than the template."""
+
+
+def in_one_view(stem: str) -> tuple[dict[str, Any], Network, Camera]:
+    """The file of a car with one picture, without its lines, and the truth."""
+    record, designs = marks_in(stem), in_docs("car_designs")
+    template = bundled(record["template"])
+    if stem in PHOTOS:
+        network, camera = designs.photographed(template)
+    else:
+        network, (camera,) = designs.truth(template)
+    return record | {"styling": []}, network, camera
+
+
+def test_every_template_has_a_car_and_two_have_a_photograph() -> None:
+    told = {marks_in(stem)["template"] for stem in (*GALLERY_CARS, *ONE_VIEW)}
+    assert told == set(TEMPLATES)
+    assert {marks_in(stem)["template"] for stem in PHOTOS} < told
+    for stem in (*ONE_VIEW, *PHOTOS):
+        (view,) = marks_in(stem)["views"]
+        path = GALLERY / view["image"]["file"]
+        assert path.stat().st_size <= LARGEST
+        with Image.open(path) as image:
+            assert image.size == (view["image"]["width"], view["image"]["height"])
+
+
+@pytest.mark.parametrize("stem", [*ONE_VIEW, *PHOTOS])
+def test_marks_in_one_view_are_where_the_picture_shows_them(stem: str) -> None:
+    record, network, camera = in_one_view(stem)
+    (view,) = record["views"]
+    nodes = [network.template.node[node] for node in view["marks"]]
+    off = np.array(list(view["marks"].values())) - camera.project(network.positions[nodes])[0]
+    assert len(nodes) >= 20
+    assert 1.2 < off.std() < 2.8
+
+
+def test_one_view_is_never_worse_than_the_template_and_mostly_far_better() -> None:
+    """As shapes: where along the road a car stands is not told by a picture."""
+    ratios = {}
+    for stem in (*ONE_VIEW, *PHOTOS):
+        record, network, _ = in_one_view(stem)
+        for view in record["views"]:
+            del view["strokes"]
+        del record["dimensions"]
+        solved = solve_car(car_from_facts(record, {}))
+        own = rms(apart(network.template.positions, network.positions))
+        ratios[stem] = rms(apart(solved.positions, network.positions)) / own
+    assert max(ratios.values()) <= WORSE, ratios
+    assert np.median(list(ratios.values())) <= 0.6, ratios
+    assert ratios["pickup"] <= 0.6
 
 
 # -- the designs -----------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from bozzetto.geometry import brep_mesh
 from bozzetto.parameters import set_parameters
 from bozzetto.plugin import Job
 from bozzetto_car.body.build import body_of
-from bozzetto_car.body.wheels import on_tyres, wheel_meshes
+from bozzetto_car.body.wheels import on_tyres
 from bozzetto_car.export import shapes_of
 from bozzetto_car.parts.closed_body import closed_body
 from bozzetto_car.parts.wheel_arches import RADII, cut_panels
@@ -67,15 +67,16 @@ def test_what_is_no_size_is_refused_with_what_to_write(text, told):
 def test_wheels_have_the_size_and_stand_on_the_ground():
     car = body_of(CarState())
     network = on_tyres(car.network, "225/45 R18")
-    for part in wheels_of(network, car.nets, "225/45 R18"):
-        low, high = brep_mesh(part, 0.2).bounds.astype(float)
+    parts = wheels_of(network, car.nets, "225/45 R18")
+    for part in parts:
+        low, high = brep_mesh(part.exact(), 0.2).bounds.astype(float)
         if part.name.startswith("Tyre"):
             assert high[2] - low[2] == pytest.approx(659.7, abs=1.0)
             assert high[1] - low[1] == pytest.approx(225.0, abs=0.5)
             assert abs(low[2]) < 0.5
         else:
             assert high[2] - low[2] == pytest.approx(457.2, abs=1.0)
-    low = min(mesh.bounds[0, 2] for mesh in wheel_meshes(network, car.nets, "225/45 R18"))
+    low = min(part.mesh().bounds[0, 2] for part in parts)
     assert abs(low) < 2.0
 
 
@@ -97,12 +98,12 @@ def test_arches_go_with_the_wheels():
 def test_without_a_size_everything_is_as_before():
     car = body_of(CarState())
     assert on_tyres(car.network, "") is car.network
-    plain = wheel_meshes(car.network, car.nets)
-    for one, other in zip(plain, wheel_meshes(car.network, car.nets, ""), strict=True):
-        np.testing.assert_array_equal(one.vertices, other.vertices)
+    plain = wheels_of(car.network, car.nets)
+    for one, other in zip(plain, wheels_of(car.network, car.nets, ""), strict=True):
+        np.testing.assert_array_equal(one.mesh().vertices, other.mesh().vertices)
     radius = car.network.positions[car.template.wheels[0, 0], 2]
-    (tyre,) = [p for p in wheels_of(car.network, car.nets) if p.name == "Tyre front right"]
-    low, high = brep_mesh(tyre, 0.2).bounds.astype(float)
+    (tyre,) = [p for p in plain if p.name == "Tyre front right"]
+    low, high = brep_mesh(tyre.exact(), 0.2).bounds.astype(float)
     assert high[1] - low[1] == pytest.approx(0.62 * radius, abs=0.5)
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bozzetto.geometry import Mesh
 from bozzetto.geometry.patches.coons import coons_nets
 from bozzetto.geometry.patches.ray_intersections import ray_hits
-from bozzetto_car.body.wheels import wheel_meshes
+from bozzetto_car.parts.wheels import wheels_of
 from bozzetto_car.template.loader import TEMPLATES, bundled
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, with_positions
@@ -16,6 +17,23 @@ from tests.plugins.car.sketched import rubbery, styled
 
 def nets_of(network: Network) -> np.ndarray:
     return coons_nets(network.control_points, network.template.sides)
+
+
+def as_seen(network: Network) -> tuple[Mesh, Mesh]:
+    """All wheels of the right side in one, and those of the left side."""
+    seen = {part.name: part.mesh() for part in wheels_of(network, nets_of(network), sunk=False)}
+    right, left = (
+        [mesh for name, mesh in seen.items() if name.endswith(side)] for side in ("right", "left")
+    )
+    return joined(right), joined(left)
+
+
+def joined(meshes: list[Mesh]) -> Mesh:
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    rows = [(mesh.vertices, mesh.normals, mesh.colors) for mesh in meshes]
+    vertices, normals, colors = (np.concatenate(row) for row in zip(*rows, strict=True))
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
+    return Mesh(vertices, np.concatenate(faces), normals, colors)
 
 
 def cars(template: Template) -> list[Network]:
@@ -31,7 +49,7 @@ def cars(template: Template) -> list[Network]:
 def test_wheels_stand_on_the_ground_under_their_nodes_and_both_sides_are_alike(name: str) -> None:
     template = bundled(name)
     for network in cars(template):
-        right, left = wheel_meshes(network, nets_of(network))
+        right, left = as_seen(network)
         assert np.array_equal(right.vertices * np.float32([1, -1, 1]), left.vertices)
         assert right.vertices[:, 2].min() == pytest.approx(0.0, abs=0.01)
         tyres = right.colors[:, 0] == 46
@@ -48,7 +66,7 @@ def test_no_panel_swallows_the_face_of_a_wheel(name: str) -> None:
     """Rays from outside, another way to look at the body than the one the wheels are set by."""
     template = bundled(name)
     for network in cars(template):
-        right, _ = wheel_meshes(network, nets_of(network))
+        right, _ = as_seen(network)
         rng = np.random.default_rng(3)
         for node in template.wheels[:, 0]:
             centre, radius = network.positions[node], network.positions[node, 2]
@@ -67,7 +85,7 @@ def test_no_panel_swallows_the_face_of_a_wheel(name: str) -> None:
 
 def test_faces_look_the_way_of_their_normals() -> None:
     network = Network.of(bundled("sedan"))
-    for mesh in wheel_meshes(network, nets_of(network)):
+    for mesh in as_seen(network):
         a, b, c = mesh.vertices[mesh.faces].astype(float).transpose(1, 0, 2)
         normal = np.cross(b - a, c - a)
         area = np.linalg.norm(normal, axis=1)
@@ -81,8 +99,6 @@ def test_wheels_below_the_ground_and_beside_the_body_are_no_mistake() -> None:
     network = Network.of(bundled("sedan"))
     front = int(network.template.wheels[0, 0])
     sunk = with_positions(network, {front: (900.0, 785.0, -10.0)})
-    assert len(wheel_meshes(sunk, nets_of(sunk))[0].vertices) < len(
-        wheel_meshes(network, nets_of(network))[0].vertices
-    )
+    assert len(as_seen(sunk)[0].vertices) < len(as_seen(network)[0].vertices)
     far = with_positions(network, {front: (-9000.0, 785.0, 300.0)})
-    assert all(np.isfinite(mesh.vertices).all() for mesh in wheel_meshes(far, nets_of(far)))
+    assert all(np.isfinite(mesh.vertices).all() for mesh in as_seen(far))

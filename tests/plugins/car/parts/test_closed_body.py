@@ -15,6 +15,7 @@ from bozzetto_car.body.fair_lines import fair_network
 from bozzetto_car.body.wheels import SPOKES
 from bozzetto_car.export import shapes_of
 from bozzetto_car.parts.closed_body import closed_body
+from bozzetto_car.parts.part_list import seen_parts
 from bozzetto_car.parts.trim import shut_lines, trim_of
 from bozzetto_car.parts.wheel_arches import RADII, cut_panels
 from bozzetto_car.parts.wheels import wheels_of
@@ -22,7 +23,7 @@ from bozzetto_car.parts.windows import (
     CLEARANCE,
     LAID,
     THICKNESS,
-    inset_meshes,
+    inserts,
     windows_of,
 )
 from bozzetto_car.state import CarState
@@ -105,7 +106,7 @@ def test_beds_of_openings_lie_below_the_panes(name):
 
 def test_wheels_are_solids_that_stand_on_the_ground():
     car = body("hatchback")
-    wheels = wheels_of(car.network, car.nets)
+    wheels = [part.exact() for part in wheels_of(car.network, car.nets)]
     assert len(wheels) == 8
     assert all(part.is_closed for part in wheels)
     for tyre in (part for part in wheels if part.name in ("Tyre front right", "Tyre rear left")):
@@ -116,7 +117,8 @@ def test_wheels_are_solids_that_stand_on_the_ground():
 
 def test_every_spoke_and_disc_looks_outward():
     car = body("hatchback")
-    rim = next(part for part in wheels_of(car.network, car.nets) if part.name.startswith("Rim"))
+    wheels = wheels_of(car.network, car.nets)
+    rim = next(part for part in wheels if part.name.startswith("Rim")).exact()
     mesh, counts = counted_mesh(rim, 2.0)
     bounds = np.cumsum([0, *counts])
     assert len(rim.pieces) == 1 + SPOKES
@@ -165,9 +167,11 @@ def test_cars_that_no_template_knows_are_closed():
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_panes_are_seen_just_outside_the_body_on_both_sides(name):
     car = body(name)
-    meshes = inset_meshes(car.template, car.nets)
-    assert len(meshes) == 4
-    for mesh, _ in meshes:
+    looks = dict(map(reversed, seen_parts(inserts(car.network, car.nets))))
+    assert {look.material for look in looks} == {
+        "Glass", "Lamp glass", "Tail lamp glass", "Black plastic"
+    }  # fmt: skip
+    for mesh in looks.values():
         some = mesh.vertices[::40].astype(float)
         away = np.linalg.norm(points_at(car.nets, foot_points(car.nets, some)) - some, axis=1)
         assert np.abs(away - LAID).max() < 0.2
@@ -178,7 +182,7 @@ def test_panes_are_seen_just_outside_the_body_on_both_sides(name):
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_lips_and_mirrors_are_solids_in_pairs(name):
     car = body(name)
-    parts = trim_of(car.network, car.nets, with_mirrors=True)
+    parts = [part.exact() for part in trim_of(car.network, car.nets, with_mirrors=True)]
     names = [part.name for part in parts]
     assert len(set(names)) == len(names)
     assert {"Mirror right", "Mirror left", "Arch lip front right", "Arch lip rear left"} <= {*names}
