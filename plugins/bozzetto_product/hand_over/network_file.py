@@ -30,7 +30,7 @@ from bozzetto_product.hand_over.point_fit import (
     spline_through,
 )
 from bozzetto_product.hand_over.point_joints import ON_CURVE
-from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
+from bozzetto_product.hand_over.point_noise import SAME, noise_of, rounding_of
 from bozzetto_product.model.appearance import Finish
 from bozzetto_product.model.curve_stretch import with_stretch
 from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
@@ -55,9 +55,6 @@ hundredths of a degree then, so that surfaces can be smooth over them."""
 
 NOISE: Final = 3.5
 """Greatest distance of a point that trembles from its curve, in standard deviations."""
-
-SAME: Final = 1e-9
-"""Distance of neighbours below which they are one point, as share of the diagonal."""
 
 SEAM: Final = np.radians(25.0)
 """A curve that ends where it began, and turns there by more than this, has a corner there."""

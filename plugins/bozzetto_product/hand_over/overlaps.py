@@ -1,7 +1,7 @@
 """Curves of a file that go on over one another: each was drawn a little into the other.
 
-Both would be joined wherever they touch, and slivers between them would be surfaces. One of them
-is cut where the other begins.
+Both would be joined wherever they touch, and slivers between them would be surfaces. Both end where
+a third curve passes, for there they were to meet; else one is cut where the other begins.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.geometry import Spline
+from bozzetto_product.hand_over.point_joints import met
 from bozzetto_product.projection.spline_basis import chord_length
 
 TAIL: Final = 0.25
@@ -40,8 +41,8 @@ def without_overlaps(splines: Sequence[Spline], tolerance: float) -> list[Spline
     Returns
     -------
     list of Spline
-        In their order. Of two curves that go on over one another the longer one is cut, where the
-        other begins.
+        In their order. Two curves that go on over one another are cut where a third one crosses
+        them there; where none does the longer one is cut, where the other begins.
     """
     made = list(splines)
     lengths = [chord_length(spline) for spline in splines]
@@ -54,9 +55,45 @@ def without_overlaps(splines: Sequence[Spline], tolerance: float) -> list[Spline
             reach = TAIL * lengths[shorter]
             for last in (True, False):
                 share = _shared_from(made[longer], made[shorter], last, reach, tolerance)
-                if share is not None:
-                    made[longer] = made[longer].split(share)[0 if last else 1]
+                if share is None:
+                    continue
+                others = [one for k, one in enumerate(splines) if k not in (longer, shorter)]
+                middle = _crossed_at(made[longer], share, last, others, tolerance)
+                if middle is not None:
+                    place = made[longer].value([middle])
+                    (foot,) = made[shorter].foot_points(place)
+                    rest = made[shorter].split(float(foot))
+                    made[shorter] = max(rest, key=chord_length)
+                made[longer] = made[longer].split(share if middle is None else middle)[
+                    0 if last else 1
+                ]
     return made
+
+
+def _crossed_at(
+    one: Spline, share: float, last: bool, others: Sequence[Spline], tolerance: float
+) -> float | None:
+    """Return where on a curve, from a parameter to its end, another one crosses it; None if none.
+
+    The place nearest to the middle of that stretch.
+    """
+    stretch = np.linspace(share, one.range[1 if last else 0], LOOKS)
+    points = one.value(stretch)
+    found = []
+    for other in others:
+        box = other.control_points
+        if (points.max(0) + tolerance < box.min(0)).any() or (
+            box.max(0) + tolerance < points.min(0)
+        ).any():
+            continue
+        nearest = points[int(np.argmin(other.least_distances(points)))]
+        at, here, beyond, there = met(one, other, nearest)
+        way, across = one.derivative([at])[0], other.derivative([beyond])[0]
+        is_along = abs(way @ across) > ALONG * np.linalg.norm(way) * np.linalg.norm(across)
+        if np.linalg.norm(here - there) <= tolerance and not is_along:
+            if stretch.min() < at < stretch.max():
+                found.append(at)
+    return min(found, key=lambda at: abs(at - stretch.mean()), default=None)
 
 
 def _shared_from(

@@ -121,7 +121,7 @@ def _crossings(splines: Sequence[Spline], size: float) -> Iterator[Place]:
                 and distance[k] == distance[max(0, k - 2) : k + 3].min()]  # fmt: skip
         seen: list[Array] = []
         for dip in dips:
-            at, p, there, q = _met(splines[one], splines[two], a[dip])
+            at, p, there, q = met(splines[one], splines[two], a[dip])
             middle = 0.5 * (p + q)
             known = any(np.linalg.norm(other - middle) < NEAR_END * size for other in seen)
             at_end = _is_at_end(splines[one], p, size) or _is_at_end(splines[two], q, size)
@@ -132,7 +132,7 @@ def _crossings(splines: Sequence[Spline], size: float) -> Iterator[Place]:
             yield two, _share(splines[two], there), middle
 
 
-def _met(one: Spline, two: Spline, start: Array) -> tuple[float, Array, float, Array]:
+def met(one: Spline, two: Spline, start: Array) -> tuple[float, Array, float, Array]:
     """Return parameter and place of both curves where they come nearest, close to a place."""
     at: Array = one.foot_points(start[None])
     there: Array = two.foot_points(one.value(at))

@@ -1,4 +1,4 @@
-"""Curves of a file that were drawn a little into one another are cut where the other begins."""
+"""Curves of a file that were drawn a little into one another are cut where they were to meet."""
 
 import numpy as np
 import pytest
@@ -43,6 +43,7 @@ def test_a_ball_of_quarters_that_overlap_has_eight_surfaces_on_it(seed):
     told = report_of(state, result, Job())
     assert told["closed"]
     assert len(told["patches"]) == 8
+    assert max(one["g1_deg"] for one in told["patches"]) <= 0.05
     away = [np.abs(np.linalg.norm(one.mesh.vertices, axis=1) - 50.0) for one in result.filled]
     assert np.concatenate(away).max() < 1e-2
 
