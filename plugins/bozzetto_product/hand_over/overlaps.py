@@ -50,24 +50,48 @@ def without_overlaps(splines: Sequence[Spline], tolerance: float) -> list[Spline
         (number for number, spline in enumerate(splines) if not spline.closed),
         key=lambda number: (-lengths[number], *splines[number].control_points[0].tolist()),
     )
-    for place, longer in enumerate(order):
-        for shorter in order[place + 1 :]:
-            reach = TAIL * lengths[shorter]
-            for last in (True, False):
-                share = _shared_from(made[longer], made[shorter], last, reach, tolerance)
-                if share is None:
-                    continue
-                others = [one for k, one in enumerate(splines) if k not in (longer, shorter)]
-                middle = _crossed_at(made[longer], share, last, others, tolerance)
-                if middle is not None:
-                    place = made[longer].value([middle])
-                    (foot,) = made[shorter].foot_points(place)
-                    rest = made[shorter].split(float(foot))
-                    made[shorter] = max(rest, key=chord_length)
-                made[longer] = made[longer].split(share if middle is None else middle)[
-                    0 if last else 1
-                ]
+    rank = {number: place for place, number in enumerate(order)}
+    for longer, shorter in sorted(
+        _near(splines, order, lengths), key=lambda pair: (rank[pair[0]], rank[pair[1]])
+    ):
+        reach = TAIL * lengths[shorter]
+        for last in (True, False):
+            share = _shared_from(made[longer], made[shorter], last, reach, tolerance)
+            if share is None:
+                continue
+            others = [one for k, one in enumerate(splines) if k not in (longer, shorter)]
+            middle = _crossed_at(made[longer], share, last, others, tolerance)
+            if middle is not None:
+                place = made[longer].value([middle])
+                made[shorter] = _longest_part(made[shorter], *made[shorter].foot_points(place))
+            made[longer] = _longest_part(made[longer], share if middle is None else middle)
     return made
+
+
+def _near(
+    splines: Sequence[Spline], order: Sequence[int], lengths: Sequence[float]
+) -> set[tuple[int, int]]:
+    """Return pairs of curves, the first of them earlier, of which ends are near one another."""
+    from scipy.spatial import cKDTree
+
+    if not order:
+        return set()
+    ends = np.concatenate([splines[number].control_points[[0, -1]] for number in order])
+    reach = TAIL * np.repeat([lengths[number] for number in order], 2)
+    return {
+        (order[one // 2], order[other // 2])
+        for one, row in enumerate(cKDTree(ends).query_ball_point(ends, reach))
+        for other in row
+        if one // 2 < other // 2
+    }
+
+
+def _longest_part(spline: Spline, at: float) -> Spline:
+    """Return the longer part of a curve that is cut at a parameter; all of it if that is an end."""
+    begin, end = spline.range
+    if not begin < at < end:
+        return spline
+    return max(spline.split(at), key=chord_length)
 
 
 def _crossed_at(

@@ -67,7 +67,7 @@ def own_crossings(spline: Spline, gap: float) -> list[tuple[float, float, Array]
             continue
         here = np.interp(crossing[:2], shares, run)
         ways = [_way(here, there, spline, run[-1]).max() for there in met]
-        if min(ways, default=np.inf) <= least or _way(*here, spline, run[-1]) < least:
+        if min(ways, default=np.inf) <= least or _way(here[0], here[1], spline, run[-1]) < least:
             continue
         met.append(here)
         found.append(crossing)
