@@ -432,5 +432,10 @@ def _sentences(result: ProductResult) -> Iterator[str]:
                 f"The surfaces do not close: {len(row)} edges are open ({shown}). Draw what is "
                 "missing, or touch the open areas with the tool “Loop”."
             )
+        elif result.one_sided:
+            yield (
+                "The surfaces have one side only, as a Möbius strip, so the product is no solid. "
+                "Touch one of them with the tool “Loop” to leave it open."
+            )
         else:
             yield "Three or more surfaces meet at an edge, so the product is no solid."

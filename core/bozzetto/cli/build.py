@@ -153,15 +153,22 @@ def _build_one(
         document = replace(there, camera=camera, underlays=(*there.underlays, *underlays))
         document = edit.add_model(document, model).document
         is_document = targets[0].suffix.lower() == ".bozz"
-        written = write_outputs(
-            bench,
-            document,
-            targets,
-            None if is_document or len(document) == 1 else [document.models[-1].name],
-            view=options.view,
-            refuse_baseless=not options.allow_template,
-            handover=handover_of(options),
-        )
+        try:
+            written = write_outputs(
+                bench,
+                document,
+                targets,
+                None if is_document or len(document) == 1 else [document.models[-1].name],
+                view=options.view,
+                refuse_baseless=not options.allow_template,
+                handover=handover_of(options),
+            )
+        except UserError:
+            # Why there is nothing to write stands in what the modeler says.
+            warn(caution.message for caution in bench.cautions(model, Job()))
+            if options.report and len(options.inputs) == 1:
+                write_report(options.report, report)
+            raise
         if written == [None]:
             warn(caution.message for caution in bench.cautions(model, Job()))
     except UserError as problem:

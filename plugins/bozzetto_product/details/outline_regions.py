@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 FLOORED: Final = ("in", "raised")
 """Kinds of details that move all that is inside."""
 
+SAME: Final = 1e-9
+"""Distance of neighbours below which they are one point, as share of the outline's size."""
+
 EMPTY: Final = "its outline encloses no area, or crosses itself. Draw it again, as one round."
 
 
@@ -156,7 +159,7 @@ def laid_outlines(
         if closed:
             regions = _regions(chart, points, corners, pieces)
         else:
-            regions = [[ring_through(chart.flat(points), corners, closed=False)]]
+            regions = [[_ring(chart.flat(points), corners, closed=False)]]
     except UserError as error:
         return LaidOutlines(outlines, followed.lost, str(error))
     near = _nearest_of(chart, points)
@@ -184,7 +187,7 @@ def _regions(
     import shapely
 
     flat = chart.flat(points)
-    rings = [ring_through(flat[rows], corners[rows]) for rows in pieces]
+    rings = [_ring(flat[rows], corners[rows], closed=True) for rows in pieces]
     polygons = [shapely.Polygon(ring.polyline[:-1]) for ring in rings]
     if any(not polygon.is_valid or not polygon.area > 0.0 for polygon in polygons):
         raise UserError(EMPTY)
@@ -205,6 +208,26 @@ def _regions(
         if not shapely.Polygon(rows[0], rows[1:]).is_valid:
             raise UserError(EMPTY)
     return list(regions.values())
+
+
+def _ring(points: Array, corners: Flags, *, closed: bool) -> Ring:
+    """Return the ring through points of a chart, of which some may be the one before again.
+
+    Raises
+    ------
+    UserError
+        If fewer differ than a line, or an outline, has.
+    """
+    least = SAME * float(np.linalg.norm(np.ptp(points, axis=0)))
+    kept: list[int] = []
+    for number in range(len(points)):
+        if not kept or np.linalg.norm(points[number] - points[kept[-1]]) > least:
+            kept.append(number)
+    if closed and len(kept) > 1 and np.linalg.norm(points[kept[-1]] - points[kept[0]]) <= least:
+        kept.pop()
+    if len(kept) < (3 if closed else 2):
+        raise UserError(EMPTY)
+    return ring_through(points[kept], corners[kept], closed=closed)
 
 
 def _run(ring: Ring, *, leftward: bool) -> Ring:

@@ -303,7 +303,7 @@ def bridged(one: Spot, other: Spot) -> tuple[Spline, NormalField] | None:
     for up in ups:
         way = chord - (chord @ up) * up
         size = float(np.linalg.norm(way))
-        if size < 0.1 * length:
+        if size <= 0.1 * length:
             return None
         slopes.append(2.0 * length / (1.0 + size / length) * way / size)
     points = np.stack(

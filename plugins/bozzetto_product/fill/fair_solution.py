@@ -416,11 +416,11 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     """Return the best of two energies, evened or not, by a score that needs no true surface.
 
     Where all sides lie on one quadric, and are smooth to it, the surface is that quadric. A narrow
-    strip with waves along its sides goes straight from side to side. Where two
+    strip with waves along its sides goes straight from side to side. Sides with creases that lie
+    exactly on one quadric alone have that for a surface. Where two
     sides are swept into one another, that sweep takes their place, unless the tangent planes along
     all sides tell a surface of even curvature, such as a sphere, or the sides are no nearer to the
-    sweep than it is to the surface of least energy. Else sides with creases that lie exactly on one
-    quadric alone have that for a surface. An evened surface that gains less is believed
+    sweep than it is to the surface of least energy. An evened surface that gains less is believed
     if those of both energies gain and are the same; where they are not, one more step is taken.
     What folds is taken only if all do.
     """
@@ -436,6 +436,10 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
         if not strip.folds:
             return strip.solution
     best = even if even.score < GAIN * start.score else start
+    if not loop.is_smooth:
+        on_quadric = _on_quadric(asked, best)
+        if on_quadric is not None:
+            return on_quadric.solution
     is_even = best.solution.evened
     if not (is_even and best.score < EVEN and loop.is_smooth):
         sweep = sweep_of(loop.sides, loop.origin, loop.size)
@@ -443,10 +447,6 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
             swept = _Candidate(_fitted(asked, start, sweep))
             if not swept.folds and _apart(swept, best) > TOLD * sweep.off:
                 return swept.solution
-    if not loop.is_smooth:
-        on_quadric = _on_quadric(asked, best)
-        if on_quadric is not None:
-            return on_quadric.solution
     if is_even and best.score < EVEN:
         return best.solution
     plate = _Candidate(_started(asked, PLATE))

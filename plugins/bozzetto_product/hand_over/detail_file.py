@@ -31,6 +31,7 @@ from bozzetto_product.details.outline_places import (
     polygon_corners,
 )
 from bozzetto_product.hand_over.colors import a_color
+from bozzetto_product.hand_over.point_noise import SAME
 from bozzetto_product.model.details import Detail, DetailKind
 from bozzetto_product.model.emblems import LONGEST_TEXT, Emblem
 from bozzetto_product.model.state import ProductState
@@ -201,8 +202,10 @@ def _outlines(
 
 def _open_ended(points: Array) -> Array:
     """Return points without repetitions: a closed outline does not repeat its first."""
-    kept = points[np.concatenate(([True], (np.diff(points, axis=0) != 0.0).any(axis=1)))]
-    if len(kept) > 1 and (kept[0] == kept[-1]).all():
+    least = SAME * float(np.linalg.norm(np.ptp(points, axis=0)))
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    kept = points[np.concatenate(([True], steps > least))]
+    if len(kept) > 1 and np.linalg.norm(kept[0] - kept[-1]) <= least:
         kept = kept[:-1]
     if len(kept) < 3:
         raise UserError("An outline of a detail needs at least three points that differ.")

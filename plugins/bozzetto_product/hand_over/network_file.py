@@ -23,12 +23,14 @@ from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.names import piece_names
 from bozzetto_product.hand_over.network_joints import joined_state
+from bozzetto_product.hand_over.overlaps import without_overlaps
 from bozzetto_product.hand_over.point_fit import (
     closed_spline_through,
     smoothed_spline,
     spline_through,
 )
-from bozzetto_product.hand_over.point_noise import noise_of, rounding_of
+from bozzetto_product.hand_over.point_joints import ON_CURVE
+from bozzetto_product.hand_over.point_noise import SAME, noise_of, rounding_of
 from bozzetto_product.model.appearance import Finish
 from bozzetto_product.model.curve_stretch import with_stretch
 from bozzetto_product.model.curves import Curve, EdgeKind, Stretch
@@ -53,9 +55,6 @@ hundredths of a degree then, so that surfaces can be smooth over them."""
 
 NOISE: Final = 3.5
 """Greatest distance of a point that trembles from its curve, in standard deviations."""
-
-SAME: Final = 1e-9
-"""Distance of neighbours below which they are one point, as share of the diagonal."""
 
 SEAM: Final = np.radians(25.0)
 """A curve that ends where it began, and turns there by more than this, has a corner there."""
@@ -138,6 +137,7 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
+    splines = without_overlaps(splines, max(ON_CURVE * size, tolerance))
     kept = [pair for pair in zip(names, splines, strict=True) if pair[0] not in again]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
+from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry import DEGREE, Spline
 
 COUNTS: Final = (4, 5, 6, 7, 8, 10, 12, 16, 20, 26, 34, 44, 60)
@@ -26,6 +26,18 @@ as they like between."""
 MOST_THROUGH: Final = 40
 """Most points that a curve goes through where they are few and foretell one another."""
 
+STRAIGHT: Final = 1e-6
+"""Least turn at the middle one of three points, radians, that tells an arc."""
+
+TURNED_BACK: Final = np.radians(120.0)
+"""Turn there from which on they are no arc: it would be two thirds of a circle and more."""
+
+MOST_ON_ARC: Final = 8
+"""Most points that are looked at whether they lie on one arc: more tell their course themselves."""
+
+ARC_PLACES: Final = 33
+"""Places by which an arc is known."""
+
 SLIGHT: Final = 1e-7
 """Weight of the second differences of control points: of the curves that fit few points, the one in
 which they are least is taken."""
@@ -40,7 +52,7 @@ def spline_through(points: Array, tolerance: float, fine: float | None = None) -
     The fewest control points of `COUNTS` that keep to the fine tolerance are taken; else the fewest
     that keep to the other. Where the points are too few to tell so many, a fit may have hooks
     between them, so the spline goes through all, as where every second one of few foretells the
-    others.
+    others. Three points, and some more that lie on one arc, become that arc.
 
     Parameters
     ----------
@@ -55,8 +67,10 @@ def spline_through(points: Array, tolerance: float, fine: float | None = None) -
         share = np.linspace(0.0, 1.0, DEGREE + 1)[:, None]
         straight = (1.0 - share) * points[0] + share * points[1]
         return _with_ends(Spline.uniform(straight), points)
-    along = _shares(points)
     finer = tolerance if fine is None else fine
+    if len(points) <= MOST_ON_ARC:
+        points = _on_arc(points, finer)
+    along = _shares(points)
     kept: Spline | None = None
     for count in COUNTS:
         if count > max(DEGREE + 1, SPARE * len(points)):
@@ -101,6 +115,32 @@ def smoothed_spline(points: Array, tolerance: float) -> Spline:
             best = score, spline
     assert best is not None
     return best[1]
+
+
+def _on_arc(points: Array, tolerance: float) -> Array:
+    """Return places on the arc that few points lie on, as any three do; the ends are theirs.
+
+    The points themselves where there is none, or they turn back more than an arc is meant to.
+    """
+    first, middle, last = points[[0, len(points) // 2, -1]]
+    into, out, chord = middle - first, last - middle, last - first
+    upright = cross_product(into, out)
+    turn = float(np.arctan2(np.linalg.norm(upright), into @ out))
+    if not STRAIGHT < turn < TURNED_BACK:
+        return points
+    axis = upright / np.linalg.norm(upright)
+    way = cross_product((into @ into) * chord - (chord @ chord) * into, upright)
+    away = -way / (2.0 * (upright @ upright))  # from the centre to the first point
+    beside = cross_product(axis, away)
+    rows = points - (first - away)
+    angles = np.mod(np.arctan2(rows @ beside, rows @ away), 2.0 * np.pi)
+    angles[0] = 0.0
+    off = rows - np.cos(angles[:, None]) * away - np.sin(angles[:, None]) * beside
+    if np.linalg.norm(off, axis=1).max() > tolerance or not (np.diff(angles) > 0.0).all():
+        return points
+    at = np.linspace(0.0, 2.0 * turn, ARC_PLACES)[1:-1, None]  # chords turn by half of their arc
+    inner = first - away + np.cos(at) * away + np.sin(at) * beside
+    return np.vstack((first, inner, last))
 
 
 def _fitted(points: Array, along: Array, count: int, wanted: float) -> tuple[Spline, float]:

@@ -11,6 +11,9 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.geometry import Spline
 from bozzetto_product.model.joints import Joint, Meeting
+from bozzetto_product.operations.clusters import LOOP
+from bozzetto_product.operations.own_crossings import own_crossings
+from bozzetto_product.projection.spline_basis import chord_length
 
 ENDS: Final = 1e-4
 """Distance within which ends are one, as share of the diagonal: that of the fit."""
@@ -103,9 +106,13 @@ def _crossings(splines: Sequence[Spline], size: float) -> Iterator[Place]:
     from scipy.spatial import cKDTree
 
     paths = [s.sampled(LOOKS * (len(s.control_points) - 3) + 1) for s in splines]
+    slack = ON_CURVE * size
+    for number, spline in enumerate(splines):
+        for first, second, place in own_crossings(spline, slack):
+            yield number, first, place
+            yield number, second, place
     for one, two in itertools.combinations(range(len(splines)), 2):
         a, b = paths[one], paths[two]
-        slack = ON_CURVE * size
         if (a.max(0) + slack < b.min(0)).any() or (b.max(0) + slack < a.min(0)).any():
             continue
         steps = max(np.linalg.norm(np.diff(path, axis=0), axis=1).max() for path in (a, b))
@@ -114,7 +121,7 @@ def _crossings(splines: Sequence[Spline], size: float) -> Iterator[Place]:
                 and distance[k] == distance[max(0, k - 2) : k + 3].min()]  # fmt: skip
         seen: list[Array] = []
         for dip in dips:
-            at, p, there, q = _met(splines[one], splines[two], a[dip])
+            at, p, there, q = met(splines[one], splines[two], a[dip])
             middle = 0.5 * (p + q)
             known = any(np.linalg.norm(other - middle) < NEAR_END * size for other in seen)
             at_end = _is_at_end(splines[one], p, size) or _is_at_end(splines[two], q, size)
@@ -125,7 +132,7 @@ def _crossings(splines: Sequence[Spline], size: float) -> Iterator[Place]:
             yield two, _share(splines[two], there), middle
 
 
-def _met(one: Spline, two: Spline, start: Array) -> tuple[float, Array, float, Array]:
+def met(one: Spline, two: Spline, start: Array) -> tuple[float, Array, float, Array]:
     """Return parameter and place of both curves where they come nearest, close to a place."""
     at: Array = one.foot_points(start[None])
     there: Array = two.foot_points(one.value(at))
@@ -170,7 +177,10 @@ def _clusters(points: Array, reach: float, places: Sequence[Place], size: float)
 def _distinct(
     group: Sequence[Place], splines: Sequence[Spline], size: float
 ) -> list[tuple[int, float]]:
-    """Return the places of a joint on the curves, each once; an end rather than a place by it."""
+    """Return the places of a joint on the curves, each once; an end rather than a place by it.
+
+    A curve that crosses itself there has two.
+    """
     kept: list[tuple[int, float]] = []
     for number, at, _ in sorted(group, key=lambda entry: (entry[0], 0.0 < entry[1] < 1.0)):
         spline = splines[number]
@@ -179,8 +189,17 @@ def _distinct(
         others = [
             spline.value(np.array([begin + other * (end - begin)]))[0]
             for curve, other in kept
-            if curve == number and (0.0 < at < 1.0 or other == at)
+            if curve == number
+            and (0.0 < at < 1.0 or other == at)
+            and not _passes_twice(spline, at, other, size)
         ]
         if all(np.linalg.norm(here - other) > NEAR_END * size for other in others):
             kept.append((number, at))
     return kept
+
+
+def _passes_twice(spline: Spline, one: float, other: float, size: float) -> bool:
+    """Whether a curve goes a way round between two shares of its range."""
+    way = abs(one - other)
+    way = min(way, 1.0 - way) if spline.closed else way
+    return way * chord_length(spline) > LOOP * NEAR_END * size

@@ -57,12 +57,13 @@ def candidate_loops(sampled: SampledNet) -> tuple[Halves, ...]:
     Returns
     -------
     tuple of tuple of int
-        Half-edges, head to tail; no two have the same edges, none has an edge twice. With each
+        Half-edges, head to tail; no two have the same edges, none comes to a node twice. With each
         loop its mirror image is there, where the net has it.
     """
     found: dict[frozenset[int], Halves] = {}
     for loop in _tried(sampled):
-        if edges_of(loop) not in found and len(edges_of(loop)) == len(loop):
+        nodes = set(sampled.tails[list(loop)].tolist())
+        if edges_of(loop) not in found and len(nodes) == len(loop):
             found[edges_of(loop)] = loop
             image = mirror_image(sampled, loop)
             if image is not None:

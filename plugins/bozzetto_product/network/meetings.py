@@ -98,6 +98,8 @@ def cut_curves(
         image = key if joint.in_plane else image
         if joint.in_plane or same or any(bare[each.curve].mirrored for each in own):
             images[key], images[image] = image, key
+            # What the image has already is not cut a second time beside it.
+            mirrored = [one for one in mirrored if _place(one) not in listed]
         else:
             mirrored = []
         for meetings, node in ((own, key), (mirrored, image)):
@@ -178,7 +180,11 @@ def image_place(spline: Spline, at: float, reflection: Reflection) -> float:
 
 def _places(meetings: Sequence[Meeting]) -> set[tuple[str, int, bool]]:
     """Return meetings so that those at one place of a curve are equal."""
-    return {(each.curve, round(each.at * SAME_JOINT), each.mirrored) for each in meetings}
+    return set(map(_place, meetings))
+
+
+def _place(meeting: Meeting) -> tuple[str, int, bool]:
+    return meeting.curve, round(meeting.at * SAME_JOINT), meeting.mirrored
 
 
 def _in_order(curve: CutCurve, cuts: Sequence[Cut]) -> tuple[Cut, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +15,7 @@ from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import meeting_place, share_at, splines_of
+from bozzetto_product.operations.own_crossings import own_crossings
 from bozzetto_product.projection.planes import mirror_image
 from bozzetto_product.projection.spline_basis import chord_length
 
@@ -33,7 +34,7 @@ APART: Final = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """Two curves that cross.
+    """Two curves that cross, or one that crosses itself.
 
     Attributes
     ----------
@@ -64,7 +65,7 @@ class _Course:
 def crossings_of(
     state: ProductState, gap: float, only: Collection[str] | None = None
 ) -> list[Crossing]:
-    """Find where the insides of curves cross that are not joined there.
+    """Find where the insides of curves cross, or one crosses itself, that are not joined there.
 
     Parameters
     ----------
@@ -93,7 +94,19 @@ def crossings_of(
             if min(near, default=np.inf) > APART * gap:
                 known.append(crossing.place)
                 found.append(crossing)
+    for name, spline in splines_of(state).items():
+        if only is None or name in only:
+            known = [place for names, place in taken if name in names]
+            found.extend(_of_itself(name, spline, gap, known))
     return found
+
+
+def _of_itself(name: str, spline: Spline, gap: float, known: Sequence[Array]) -> Iterator[Crossing]:
+    """Yield where a curve crosses itself and is not joined."""
+    for first, second, place in own_crossings(spline, gap):
+        near = [np.linalg.norm(other - place) for other in known]
+        if min(near, default=np.inf) > APART * gap:
+            yield Crossing((Meeting(name, first), Meeting(name, second)), place)
 
 
 def _near_pairs(state: ProductState, gap: float) -> Iterator[tuple[_Course, _Course]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -183,8 +184,15 @@ class ProductResult:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the surfaces enclose a volume: every edge of them has two."""
-        return bool(self.filled) and all(count in (0, 2) for count in self.uses)
+        """Whether the surfaces enclose a volume: every edge of them has two, one each way."""
+        whole = bool(self.filled) and all(count in (0, 2) for count in self.uses)
+        return whole and not self.one_sided
+
+    @cached_property
+    def one_sided(self) -> bool:
+        """Whether surfaces cannot be turned alike, as those of a Möbius strip."""
+        runs = Counter(run for one in self.filled for run in one.loop)
+        return any(self.uses[edge] == 2 and count == 2 for (edge, _), count in runs.items())
 
     @property
     def size(self) -> float:

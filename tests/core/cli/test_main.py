@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import struct
 import subprocess
@@ -489,3 +490,22 @@ def test_a_turntable_is_a_gif_or_a_row_of_pictures(bozzetto, square, tmp_path):
     refused = bozzetto(*words, "turn.avi")
     assert refused.returncode != 0
     assert ".gif" in refused.stderr
+
+
+def test_a_file_that_cannot_be_written_leaves_the_report_and_the_reason(bozzetto, tmp_path):
+    at = [2 * math.pi * k / 200 for k in range(201)]
+    knot = [
+        [math.sin(t) + 2 * math.sin(2 * t), math.cos(t) - 2 * math.cos(2 * t), -math.sin(3 * t)]
+        for t in at
+    ]
+    network = {"network": {"curves": [{"name": "knot", "points": knot}]}, "unit": "mm"}
+    (tmp_path / "knot.json").write_text(json.dumps(network))
+    built = bozzetto("build", "product", "knot.json", "-o", "knot.obj", "--report", "knot.r.json")
+    assert built.returncode == 2
+    assert not (tmp_path / "knot.obj").exists()
+    told = json.loads((tmp_path / "knot.r.json").read_text())
+    assert told["loops"] == [["knot"]]
+    assert told["patches"] == []
+    (reason,) = told["warnings"]
+    assert "folds over itself" in reason
+    assert reason in built.stderr

@@ -105,3 +105,27 @@ def test_odd_values_are_refused_by_their_names(change, words):
 
 def test_a_file_without_details_is_what_it_was():
     assert same(product_of_network(file_with()), ball())
+
+
+@pytest.mark.parametrize("off", [0.0, 2e-16, 1e-12])
+def test_an_outline_may_end_nearly_where_it_began(off):
+    """The sine of a whole turn is no nought; the spline through such points failed."""
+    whole = np.vstack((RING, RING[:1] + off))
+    state = product_of_network(file_with(flat(flat=[whole.tolist()], kind="in", depth=0.5)))
+    (solved_detail,) = solved(state).detailed.details
+    assert solved_detail.problem == ""
+    (places,) = (detail.places for detail in state.of_kind(Detail))
+    assert len(places.corners) == len(RING)
+
+
+def test_points_over_one_another_are_one_and_too_few_are_told():
+    at = RADIUS * np.array([[0.6, 0.6, 0.53], [0.6, 0.5, 0.62], [0.5, 0.6, 0.62]])
+    at *= RADIUS / np.linalg.norm(at, axis=1, keepdims=True)
+    enough, too_few = np.repeat(at, 2, axis=0), np.repeat(at[:2], 2, axis=0)
+    enough[::2] *= 1.0 + 1e-13
+    too_few[::2] *= 1.0 + 1e-13
+    values = {"kind": "in", "depth": 0.2}
+    state = product_of_network(file_with({"outlines": [enough.tolist()], **values}))
+    assert solved(state).detailed.details[0].problem == ""
+    with pytest.raises(UserError, match="three points that differ"):
+        product_of_network(file_with({"outlines": [too_few.tolist()], **values}))

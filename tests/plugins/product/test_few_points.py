@@ -66,6 +66,34 @@ def test_rings_of_points_far_and_near(seed):
     assert spline.least_distances(ring).max() < 0.021
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
+@pytest.mark.parametrize("turn", [1e-3, 1.0, np.pi / 2, 2.5, 3.9])
+@pytest.mark.parametrize("more", [0, 1, 2, 5])
+def test_points_on_an_arc_are_that_arc(turn, share, more):
+    axes = 40.0 * np.linalg.qr(np.random.default_rng(7).normal(size=(3, 3)))[0]
+    middle = np.array((5.0, -300.0, 70.0))
+
+    def places(at):
+        return middle + np.outer(np.cos(at), axes[0]) + np.outer(np.sin(at), axes[1])
+
+    between = np.random.default_rng(more).uniform(0.1, 0.9, more)
+    points = places(turn * np.sort([0.0, share, *between, 1.0]))
+    spline = spline_through(points, 1e-3)
+    np.testing.assert_array_equal(spline.control_points[[0, -1]], points[[0, -1]])
+    assert spline.least_distances(places(turn * np.linspace(0.0, 1.0, 100))).max() < 1.1e-3
+    assert length_of(spline) == pytest.approx(40.0 * turn, rel=1e-3)
+
+
+@pytest.mark.parametrize("back", [0.0, 1e-9, 0.5])
+def test_three_points_in_line_or_turning_back_bulge_nowhere(back):
+    straight = np.array([(0.0, 0.0, 0.0), (3.0, back, 0.0), (10.0, 0.0, 0.0)])
+    hairpin = np.array([(0.0, 0.0, 0.0), (10.0, 0.0, 0.0), (0.5, back, 0.0)])
+    for points in (straight, hairpin):
+        sampled = spline_through(points, 1e-3).sampled(200)
+        assert np.abs(sampled[:, 1]).max() <= back + 0.1
+        assert -0.5 < sampled[:, 0].min() <= sampled[:, 0].max() < 10.5
+
+
 @pytest.mark.slow
 def test_the_mouse_read_from_points_has_all_its_surfaces():
     state = product_of_network(facts(points_of(DRAWN["mouse"]())))

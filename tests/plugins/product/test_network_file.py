@@ -403,3 +403,17 @@ def test_paint_that_makes_no_sense_is_refused(paint: object, words: str) -> None
     facts["network"]["paint"] = paint
     with pytest.raises(UserError, match=words):
         product_of_network(facts)
+
+
+def test_a_band_of_one_side_whose_border_is_filled_is_no_solid() -> None:
+    def band(u: float | np.ndarray, v: float | np.ndarray) -> np.ndarray:
+        reach = 50.0 + v * np.cos(u / 2)
+        return np.stack([reach * np.cos(u), reach * np.sin(u), v * np.sin(u / 2)], axis=-1)
+
+    rows = [band(np.linspace(0.0, 4 * np.pi, 161), 12.0)]
+    rows += [band(2 * np.pi * k / 3, np.linspace(-12.0, 12.0, 11)) for k in range(3)]
+    curves = [{"name": f"c{k}", "points": row.tolist()} for k, row in enumerate(rows, 1)]
+    told = report({"network": {"curves": curves}})
+    assert len(told["patches"]) >= 3
+    assert not told["closed"]
+    assert told["open_edges"] or any("one side only" in warning for warning in told["warnings"])

@@ -189,6 +189,19 @@ def _fill_of(**curves: np.ndarray) -> Fill:
     return patch.surface
 
 
+def test_an_octant_that_stands_alone_is_the_ball_and_no_sweep() -> None:
+    quarter = np.linspace(0.0, np.pi / 2, 25)[:, None]
+    axes = 50.0 * np.linalg.qr(np.random.default_rng(81).normal(size=(3, 3)))[0]
+    fill = _fill_of(
+        **{
+            f"c{k}": np.cos(quarter) * axes[k] + np.sin(quarter) * axes[(k + 1) % 3]
+            for k in range(3)
+        }
+    )
+    away = np.abs(np.linalg.norm(fill.mesh.vertices, axis=1) - 50.0)
+    assert away.max() < 2e-4 * 50.0  # of the sweep it is 8e-3
+
+
 def _cut_cylinder(notch: float, noise: float = 0.0) -> Fill:
     """Return the surface of half a cylinder of radius 25 with an uneven side, standing alone."""
     turn, height = np.linspace(0.0, np.pi, 41), np.linspace(0.0, 80.0, 41)
