@@ -25,6 +25,7 @@ from bozzetto_car.body.fair_lines import (
     opened,
     turned_with_chords,
 )
+from bozzetto_car.template.crease_sides import one_sided
 from bozzetto_car.template.loader import bundled_file, read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, junctions, with_tangents
@@ -283,7 +284,7 @@ def template_of(name: str) -> bytes:
 
 
 def shaped(base: Template, kind: Kind) -> Network:
-    """Return the network of a kind: fair lines through its nodes, and smooth surfaces."""
+    """Return the network of a kind: fair lines, creases of one side, and smooth surfaces."""
     places = np.array([placed(name, kind) for name in base.names], float)
     network = opened(crested(with_straight_edges(smooth_chains(turned_with_chords(base, places)))))
     given: dict[tuple[int, int], Array] = {}
@@ -291,7 +292,7 @@ def shaped(base: Template, kind: Kind) -> Network:
         edge, sense = found(base, key)
         ends = tangents if sense > 0 else tangents[::-1]
         given |= {(edge, end): sense * np.array(ends[end], float) for end in (0, 1)}
-    return lock_ratios(smooth_chains(with_tangents(network, given)))
+    return lock_ratios(one_sided(smooth_chains(with_tangents(network, given))))
 
 
 def with_straight_edges(network: Network) -> Network:
