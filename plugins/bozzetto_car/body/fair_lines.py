@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_car.body.chain_smoothing import anneal
+from bozzetto_car.template.crease_sides import one_sided
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import EdgeJunction, Network, junctions, with_tangents
 
@@ -67,7 +68,10 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
     positions : (n, 3) array_like
         Places of the nodes, mm.
     """
-    return opened(crested(straightened(anneal(turned_with_chords(template, positions)))))
+    lines = crested(straightened(anneal(turned_with_chords(template, positions))))
+    sided = one_sided(lines)
+    turned = np.argwhere((sided.tangents != lines.tangents).any(axis=2)).tolist()
+    return opened(straightened(sided, {(edge, end) for edge, end in turned}) if turned else lines)
 
 
 def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:

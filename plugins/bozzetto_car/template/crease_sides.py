@@ -22,7 +22,7 @@ from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import KNOWN, Network, junctions, with_tangents
 
-LEAST: Final = np.radians(6.0)
+LEAST: Final = np.radians(4.0)
 """Least angle over the end of a crease, radians, if the template has as much."""
 
 ROUNDS: Final = 12

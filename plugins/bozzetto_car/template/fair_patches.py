@@ -32,6 +32,7 @@ from bozzetto.geometry.patches import bernstein, coons_nets
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import KNOWN, Network
 from bozzetto_car.template.saddles import bent_one_way
+from bozzetto_car.template.weak_creases import creases_between
 
 INNER: Final = ((1, 2, 2, 1), (1, 1, 2, 2))
 """Inner control points of a net, each beside the corner in which the side of its number starts."""
@@ -69,9 +70,11 @@ def fair_nets(network: Network) -> Array:
     free = np.flatnonzero(~rows.corners.held & (normals != 0.0).any(axis=1))
     ways = rows.across[:, free, None] * normals[free]
     form = (rows.form * (normals @ normals.T))[np.ix_(free, free)]
-    moved = bent_one_way(rows.nets, _FLAT, ways.reshape(len(rows.nets), 4, len(free), 3), form)
+    ways = ways.reshape(len(rows.nets), 4, len(free), 3)
+    creases = creases_between(network.template, tuple(rows.corners.patches.tolist()))
+    moved = bent_one_way(rows.nets, _FLAT, ways, form, creases)
     nets = rows.nets.copy()
-    nets[:, *INNER] += np.einsum("n,cnx->cx", moved, ways).reshape(-1, 4, 3)
+    nets[:, *INNER] += np.einsum("n,kcnx->kcx", moved, ways)
     return _whole(network, rows.corners, nets)
 
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry.patches import bernstein
+from bozzetto_car.template.weak_creases import Creases
 
 PLACES: Final = np.linspace(0.1, 0.9, 4)
 """Parameters, in both directions, of the places in which patches are looked at. Sides have the
@@ -38,6 +39,9 @@ car: a radius of five lengths."""
 STEPS: Final = 3
 """Steps of the method. With twice as many there are hardly fewer saddles."""
 
+STIFF: Final = 600.0
+"""Weight of what is missing over creases, mm² each, relative to the variation."""
+
 TINY: Final = float(np.finfo(float).tiny)
 
 
@@ -51,7 +55,9 @@ def _products() -> Array:
 _DERIVED: Final = _products()
 
 
-def bent_one_way(nets: Array, inner: tuple[int, ...], ways: Array, form: Array) -> Array:
+def bent_one_way(
+    nets: Array, inner: tuple[int, ...], ways: Array, form: Array, creases: Creases
+) -> Array:
     """Return how far inner control points move for least saddles, (n,).
 
     Parameters
@@ -64,6 +70,8 @@ def bent_one_way(nets: Array, inner: tuple[int, ...], ways: Array, form: Array) 
         How each inner control point moves with each unknown.
     form : (n, n) float
         The variation by the unknowns, from its least, is half of this form; it is positive.
+    creases : Creases
+        The creases between the patches.
     """
     count = len(form)
     begun = nets.reshape(-1, 16, 3)
@@ -78,8 +86,10 @@ def bent_one_way(nets: Array, inner: tuple[int, ...], ways: Array, form: Array) 
         weights = WEIGHT * areas.mean(axis=1, keepdims=True) * areas / len(areas[0]) * loss
         rows = (slopes.reshape(*depths.shape, 12) @ by_point).reshape(-1, count)
         weighted = rows.T * weights.ravel()
-        matrix = form + weighted @ rows
-        moved = moved - np.linalg.solve(matrix, form @ moved + weighted @ depths.ravel())
+        short, turns = creases.missing(now, ways)
+        matrix = form + weighted @ rows + STIFF * turns.T @ turns
+        slope = form @ moved + weighted @ depths.ravel() + STIFF * turns.T @ short
+        moved = moved - np.linalg.solve(matrix, slope)
     return moved
 
 
