@@ -69,9 +69,20 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
         Places of the nodes, mm.
     """
     lines = crested(straightened(anneal(turned_with_chords(template, positions))))
-    sided = one_sided(lines)
-    turned = np.argwhere((sided.tangents != lines.tangents).any(axis=2)).tolist()
-    return opened(straightened(sided, {(edge, end) for edge, end in turned}) if turned else lines)
+    return opened(with_creases_of_one_side(lines))
+
+
+def with_creases_of_one_side(network: Network) -> Network:
+    """Return a network whose creases are on one side all along, without more edges that bend twice.
+
+    Parameters
+    ----------
+    network : Network
+        A network whose chains have one direction at each junction.
+    """
+    sided = one_sided(network)
+    turned = np.argwhere((sided.tangents != network.tangents).any(axis=2)).tolist()
+    return straightened(sided, {(edge, end) for edge, end in turned}) if turned else network
 
 
 def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:
