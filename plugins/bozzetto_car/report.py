@@ -228,6 +228,9 @@ def cautions_of(body: Body) -> tuple[Caution, ...]:
     for name, slack in body.solved.soundness.least(variables).items():
         if slack < -UNSOUND:
             cautions.append(Caution(f"The car violates “{name}” by {-slack:.1f} mm."))
+    names = [body.template.edge_names[edge] for edge in turning_creases(body.network)]
+    if names:
+        cautions.append(Caution(TURNING.format(", ".join(names))))
     return tuple(cautions)
 
 

@@ -49,6 +49,10 @@ ROUNDS: Final = 40
 """Most rounds of straightening: an edge that is straightened may bend its neighbour twice. Three to
 eight are usual."""
 
+PASSES: Final = 4
+"""Most times that creases are put on one side: an edge that is straightened may lie beside another
+crease. Two are usual."""
+
 SUNK: Final = 80.0
 """How far below a neighbour the highest node of a line counts as its crest in part, mm."""
 
@@ -80,9 +84,13 @@ def with_creases_of_one_side(network: Network) -> Network:
     network : Network
         A network whose chains have one direction at each junction.
     """
-    sided = one_sided(network)
-    turned = np.argwhere((sided.tangents != network.tangents).any(axis=2)).tolist()
-    return straightened(sided, {(edge, end) for edge, end in turned}) if turned else network
+    for _ in range(PASSES):
+        sided = one_sided(network)
+        turned = np.argwhere((sided.tangents != network.tangents).any(axis=2)).tolist()
+        if not turned:
+            break
+        network = straightened(sided, {(edge, end) for edge, end in turned})
+    return network
 
 
 def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:

@@ -110,6 +110,14 @@ def _units(ways: Array) -> Array:
     return np.asarray(ways / np.where(sizes > 0.0, sizes, 1.0))
 
 
+def turning_creases(network: Network) -> tuple[int, ...]:
+    """Return the creases that bulge at one end and are hollow at the other."""
+    ends = _ends(network.template)
+    angles = _angles(ends, network.tangents)
+    bulging, hollow = (set(ends.creases[sign * angles > NEAR, 0].tolist()) for sign in (1.0, -1.0))
+    return tuple(sorted(bulging & hollow))
+
+
 @lru_cache(maxsize=KNOWN)
 def _wanted(template: Template) -> tuple[Array, Array]:
     """Return the sign of each end's crease, and the least angle in it, times this sign."""

@@ -75,7 +75,7 @@ def bent_one_way(
     """
     count = len(form)
     begun = nets.reshape(-1, 16, 3)
-    by_point = ways.transpose(0, 1, 3, 2).reshape(-1, 12, count)
+    by_point = ways.transpose(0, 1, 3, 2).reshape(len(nets), 12, count)
     size = float(np.ptp(nets[..., 0]))
     moved = np.zeros(count)
     for _ in range(STEPS):
@@ -84,7 +84,7 @@ def bent_one_way(
         depths, slopes, areas = _saddles(now, inner)
         loss = 1.0 / np.sqrt(1.0 + (depths * (size / SHALLOW)) ** 2)
         weights = WEIGHT * areas.mean(axis=1, keepdims=True) * areas / len(areas[0]) * loss
-        rows = (slopes.reshape(*depths.shape, 12) @ by_point).reshape(-1, count)
+        rows = (slopes.reshape(*depths.shape, 12) @ by_point).reshape(depths.size, count)
         weighted = rows.T * weights.ravel()
         short, turns = creases.missing(now, ways)
         matrix = form + weighted @ rows + STIFF * turns.T @ turns

@@ -105,7 +105,7 @@ class Creases:
         turning = (signs * (short > 0.0) * scale / widths)[..., None] * normals
         inner = ways[self.patches[..., None], self.corners]
         by_inner = np.einsum("pk,scpx,scknx->cpn", _INNER, turning, inner, optimize=_ORDER)
-        return (short * scale).ravel(), by_inner.reshape(short.size, -1)
+        return (short * scale).ravel(), by_inner.reshape(short.size, ways.shape[2])
 
 
 @lru_cache(maxsize=KNOWN)
