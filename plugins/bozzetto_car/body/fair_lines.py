@@ -86,10 +86,11 @@ def with_creases_of_one_side(network: Network) -> Network:
     """
     for _ in range(PASSES):
         sided = one_sided(network)
-        turned = np.argwhere((sided.tangents != network.tangents).any(axis=2)).tolist()
-        if not turned:
+        turned = (sided.tangents != network.tangents).any(axis=2)
+        if not turned.any():
             break
-        network = straightened(sided, {(edge, end) for edge, end in turned})
+        held = np.argwhere(turned & ~turned.all(axis=1, keepdims=True)).tolist()
+        network = straightened(sided, {(edge, end) for edge, end in held})
     return network
 
 

@@ -25,6 +25,10 @@ from bozzetto_car.template.network import KNOWN, Network, junctions, with_tangen
 LEAST: Final = np.radians(4.0)
 """Least angle over the end of a crease, radians, if the template has as much."""
 
+LEAST_BESIDE_SMOOTH: Final = np.radians(10.0)
+"""The same of a crease over whose other end lines run on smoothly, as over the head of a screen in
+the middle of the car: it has about a third of it half way."""
+
 ROUNDS: Final = 12
 """Most rounds: an edge lies beside several creases."""
 
@@ -126,7 +130,8 @@ def _wanted(template: Template) -> tuple[Array, Array]:
     sums = np.zeros(len(template.edges))
     np.add.at(sums, ends.creases[:, 0], angles)
     signs = np.where(sums < 0.0, -1.0, 1.0)[ends.creases[:, 0]]
-    return signs, np.minimum(signs * angles, LEAST)
+    alone = np.bincount(ends.creases[:, 0], minlength=len(template.edges))[ends.creases[:, 0]] == 1
+    return signs, np.minimum(signs * angles, np.where(alone, LEAST_BESIDE_SMOOTH, LEAST))
 
 
 def one_sided(network: Network) -> Network:
