@@ -84,14 +84,14 @@ def with_creases_of_one_side(network: Network) -> Network:
     network : Network
         A network whose chains have one direction at each junction.
     """
+    made = network
     for _ in range(PASSES):
-        sided = one_sided(network)
-        turned = (sided.tangents != network.tangents).any(axis=2)
-        if not turned.any():
+        sided = one_sided(made)
+        turned = np.argwhere((sided.tangents != made.tangents).any(axis=2)).tolist()
+        if not turned:
             break
-        held = np.argwhere(turned & ~turned.all(axis=1, keepdims=True)).tolist()
-        network = straightened(sided, {(edge, end) for edge, end in held})
-    return network
+        made = straightened(sided, {(edge, end) for edge, end in turned})
+    return made if made is network else straightened(made)
 
 
 def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:

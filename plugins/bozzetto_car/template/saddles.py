@@ -4,15 +4,15 @@ Of all patches between the same lines those of least variation (`fair_patches`) 
 sides in places where they need not. Here inner control points move a little more, each along the
 normal of its corner, until
 
-    V + w Σ a² ρ(s),    s = k₁ k₂ / (k₁ - k₂) where k₁ k₂ < 0, else 0
+    V + w Σ a² ρ(s) + c Σ m²,    s = k₁ k₂ / (k₂ - k₁) where k₁ k₂ < 0, else 0
 
-is least: V is the variation of `fair_patches`, and the sum goes over places of all patches. s is
-half the harmonic mean of the two curvatures of a saddle, so about the smaller one. ρ is the
-pseudo-Huber loss (Charbonnier et al. 1997, "Deterministic edge-preserving regularization in
-computed imaging"), with which it is the area of saddles that counts, and hardly their depth:
-what lines force stays, and is not made up for elsewhere. The least is found by steps of Gauss and
-Newton's method with iterated weights; their number is fixed, so that a body that moves a little has
-patches that move a little.
+is least: V is the variation of `fair_patches`, the first sum goes over places of all patches, and
+m is what weak creases miss (`weak_creases`). s is half the harmonic mean of the two curvatures of a
+saddle, so about the smaller one. ρ is the pseudo-Huber loss (Charbonnier et al. 1997,
+"Deterministic edge-preserving regularization in computed imaging"), with which it is the area of
+saddles that counts, and hardly their depth: what lines force stays, and is not made up for
+elsewhere. The least is found by steps of Gauss and Newton's method with iterated weights; their
+number is fixed, so that a body that moves a little has patches that move a little.
 """
 
 from __future__ import annotations
