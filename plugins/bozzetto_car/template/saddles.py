@@ -29,7 +29,7 @@ PLACES: Final = np.linspace(0.1, 0.9, 4)
 """Parameters, in both directions, of the places in which patches are looked at. Sides have the
 curvature that their lines give them."""
 
-WEIGHT: Final = 1e3
+WEIGHT: Final = 4e3
 """Weight of saddles relative to the variation. With more of it there are hardly fewer."""
 
 SHALLOW: Final = 0.2
