@@ -79,6 +79,8 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
 def with_creases_of_one_side(network: Network) -> Network:
     """Return a network whose creases are on one side all along, without more edges that bend twice.
 
+    Crests stay level; where an edge would bend twice or rise over a crest, a crease may turn.
+
     Parameters
     ----------
     network : Network
@@ -91,7 +93,7 @@ def with_creases_of_one_side(network: Network) -> Network:
         if not turned:
             break
         made = straightened(sided, {(edge, end) for edge, end in turned})
-    return made if made is network else straightened(made)
+    return made if made is network else crested(straightened(made))
 
 
 def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:
