@@ -78,10 +78,10 @@ def _ends(template: Template) -> _Ends:
                 (rings[0][(at + 1) % 4], ~rings[1][back - 1]),
             )
         ):
-            places = [(side, 0) if side >= 0 else (~side, 1) for side in pair]
-            if frozenset(places) not in joints:
+            own = [(side, 0) if side >= 0 else (~side, 1) for side in pair]
+            if frozenset(own) not in joints:
                 creases.append((edge, end))
-                beside.append(places)
+                beside.append(own)
     places = np.array(beside, np.intp).reshape(-1, 2, 2)
     free = [[(edge, end) not in held for edge, end in pair] for pair in places.tolist()]
     return _Ends(
