@@ -87,7 +87,7 @@ def _ends(template: Template) -> _Ends:
     return _Ends(
         np.array(creases, np.intp).reshape(-1, 2),
         places,
-        1.0 - 2.0 * places[:, :, 1:],
+        np.where(places[:, :, 1:] == 0, 1.0, -1.0),
         np.array(free, bool).reshape(-1, 2),
     )
 
