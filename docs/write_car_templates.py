@@ -25,6 +25,7 @@ from bozzetto_car.body.fair_lines import (
     opened,
     turned_with_chords,
 )
+from bozzetto_car.template.crease_sides import one_sided
 from bozzetto_car.template.loader import bundled_file, read_template
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import Network, junctions, with_tangents
@@ -169,12 +170,12 @@ KINDS: Final[Mapping[str, Kind]] = {
         {
             "C0": (84, 0, 237), "C1": (114, 0, 886), "C2": (890, 0, 1182), "C3": (1529, 0, 1841),
             "C4": (2620, 0, 1985), "C5": (4994, 0, 1855), "C6": (5114, 0, 1280),
-            "C7": (5119, 0, 749), "C8": (5094, 0, 334),
+            "C7": (5127, 0, 749), "C8": (5102, 0, 334),
             "S1": (376, 776, 876), "S2": (994, 898, 1152), "S3": (2170, 933, 1113),
-            "S4": (4267, 923, 1142), "S5": (5059, 846, 1270), "S6": (4994, 872, 739),
+            "S4": (4267, 923, 1142), "S5": (5059, 846, 1270), "S6": (5002, 872, 739),
             "R1": (1593, 699, 1758), "R2": (2213, 738, 1897), "R3": (4905, 736, 1797),
             "B1": (316, 849, 247), "B2": (1368, 923, 212), "B3": (2352, 931, 209),
-            "B4": (3721, 923, 217), "B5": (4934, 874, 339),
+            "B4": (3721, 923, 217), "B5": (4942, 874, 339),
             "WF": (930, 835, 345), "WR": (4138, 852, 345),
         },
         # The roof is flat up to its rear edge, where it turns down.
@@ -226,7 +227,7 @@ KINDS: Final[Mapping[str, Kind]] = {
             "R1": (2049, 641, 1668), "R2": (2583, 666, 1779), "R3": (3289, 641, 1693),
             "B1": (332, 842, 377), "B2": (1454, 907, 397), "B3": (2462, 912, 397),
             "B4": (3561, 907, 407), "B5": (5137, 842, 516),
-            "WF": (980, 791, 385), "WR": (4090, 791, 385),
+            "WF": (980, 791, 385), "WR": (4100, 791, 385),
         },
         words={
             "C6": ("Rear window, lower edge", "Foot of the rear window, in the middle"),
@@ -283,7 +284,7 @@ def template_of(name: str) -> bytes:
 
 
 def shaped(base: Template, kind: Kind) -> Network:
-    """Return the network of a kind: fair lines through its nodes, and smooth surfaces."""
+    """Return the network of a kind: fair lines, creases of one side, and smooth surfaces."""
     places = np.array([placed(name, kind) for name in base.names], float)
     network = opened(crested(with_straight_edges(smooth_chains(turned_with_chords(base, places)))))
     given: dict[tuple[int, int], Array] = {}
@@ -291,7 +292,7 @@ def shaped(base: Template, kind: Kind) -> Network:
         edge, sense = found(base, key)
         ends = tangents if sense > 0 else tangents[::-1]
         given |= {(edge, end): sense * np.array(ends[end], float) for end in (0, 1)}
-    return lock_ratios(smooth_chains(with_tangents(network, given)))
+    return lock_ratios(one_sided(smooth_chains(with_tangents(network, given))))
 
 
 def with_straight_edges(network: Network) -> Network:

@@ -21,6 +21,12 @@ from bozzetto_car.marking.next_mark import NO_CAR
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.solver.uncertainty import certainty, further_views
+from bozzetto_car.template.crease_sides import turning_creases
+
+TURNING: Final = (
+    "The body bulges at one end and is hollow at the other along {}. CAD may not be able to offset "
+    "it there: trace an edge beside these, or switch “Fair lines” on."
+)
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "residual": Figure(
@@ -228,6 +234,9 @@ def cautions_of(body: Body) -> tuple[Caution, ...]:
     for name, slack in body.solved.soundness.least(variables).items():
         if slack < -UNSOUND:
             cautions.append(Caution(f"The car violates “{name}” by {-slack:.1f} mm."))
+    names = [body.template.edge_names[edge] for edge in turning_creases(body.network)]
+    if names:
+        cautions.append(Caution(TURNING.format(", ".join(names))))
     return tuple(cautions)
 
 

@@ -28,7 +28,7 @@ from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.drag import bend_edge
 from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.body.edits_preview import OnPicture, carried
-from bozzetto_car.body.fair_lines import fair_network
+from bozzetto_car.body.fair_lines import fair_network, with_creases_of_one_side
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.body.trace_edges import Line, trace_all
 from bozzetto_car.camera.sketch_camera import SketchCamera
@@ -417,7 +417,7 @@ def _deformed(base: Solved, state: CarState) -> Body:
     if state.joints:
         network = smooth_chains(network)
     if state.default_shape and base.joint is not None:
-        network = pull_out_panels(network)
+        network = with_creases_of_one_side(pull_out_panels(network))
     return Body(lock_ratios(network) if state.smooth else network, base)
 
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto_car.body.chain_smoothing import anneal
+from bozzetto_car.template.crease_sides import one_sided
 from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import EdgeJunction, Network, junctions, with_tangents
 
@@ -48,6 +49,10 @@ ROUNDS: Final = 40
 """Most rounds of straightening: an edge that is straightened may bend its neighbour twice. Three to
 eight are usual."""
 
+PASSES: Final = 4
+"""Most times that creases are put on one side: an edge that is straightened may lie beside another
+crease. Two are usual."""
+
 SUNK: Final = 80.0
 """How far below a neighbour the highest node of a line counts as its crest in part, mm."""
 
@@ -67,7 +72,28 @@ def fair_network(template: Template, positions: ArrayLike) -> Network:
     positions : (n, 3) array_like
         Places of the nodes, mm.
     """
-    return opened(crested(straightened(anneal(turned_with_chords(template, positions)))))
+    lines = crested(straightened(anneal(turned_with_chords(template, positions))))
+    return opened(with_creases_of_one_side(lines))
+
+
+def with_creases_of_one_side(network: Network) -> Network:
+    """Return a network whose creases are on one side all along, without more edges that bend twice.
+
+    Crests stay level; where an edge would bend twice or rise over a crest, a crease may turn.
+
+    Parameters
+    ----------
+    network : Network
+        A network whose chains have one direction at each junction.
+    """
+    made = network
+    for _ in range(PASSES):
+        sided = one_sided(made)
+        turned = np.argwhere((sided.tangents != made.tangents).any(axis=2)).tolist()
+        if not turned:
+            break
+        made = straightened(sided, {(edge, end) for edge, end in turned})
+    return made if made is network else crested(straightened(made))
 
 
 def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Network:

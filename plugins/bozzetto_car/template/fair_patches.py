@@ -27,13 +27,20 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Flags, Index, cross_product
 from bozzetto.geometry.patches import bernstein, coons_nets
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import KNOWN, Network
+from bozzetto_car.template.saddles import bent_one_way
+from bozzetto_car.template.weak_creases import creases_between
 
 INNER: Final = ((1, 2, 2, 1), (1, 1, 2, 2))
 """Inner control points of a net, each beside the corner in which the side of its number starts."""
+
+CORNERS: Final = ((0, 3, 3, 0), (0, 0, 3, 3))
+ALONG: Final = ((1, 3, 2, 0), (0, 1, 3, 2))
+ACROSS: Final = ((0, 2, 3, 1), (1, 0, 2, 3))
+"""Each corner of a net, the control point after it round the patch, and the one before it."""
 
 Corner = tuple[int, int]
 """A patch, and the number of the side that starts in the corner."""
@@ -43,7 +50,7 @@ GAUSS: Final = np.polynomial.legendre.leggauss(4)
 
 
 def fair_nets(network: Network) -> Array:
-    """Return the control nets of a network's patches with the twists of least variation.
+    """Return the control nets of a network's patches: of least variation, and with few saddles.
 
     The outer control points are those of the edges, bit for bit, and the halves are mirror images
     to the last bit.
@@ -58,20 +65,65 @@ def fair_nets(network: Network) -> Array:
     (k, 4, 4, 3) float
         mm.
     """
-    template = network.template
-    nets = coons_nets(network.control_points, template.sides)
-    corners = _corners(template)
-    own = nets[corners.patches]
-    factors = corners.factors(network)
-    across = factors[:, None] * corners.member
+    rows = _least_varying(network)
+    normals = rows.corners.normals(rows.nets)
+    free = np.flatnonzero(~rows.corners.held & (normals != 0.0).any(axis=1))
+    ways = rows.across[:, free, None] * normals[free]
+    form = (rows.form * (normals @ normals.T))[np.ix_(free, free)]
+    ways = ways.reshape(len(rows.nets), 4, len(free), 3)
+    creases = creases_between(network.template, tuple(rows.corners.patches.tolist()))
+    moved = bent_one_way(rows.nets, _FLAT, ways, form, creases)
+    nets = rows.nets.copy()
+    nets[:, *INNER] += np.einsum("n,kcnx->kcx", moved, ways)
+    return _whole(network, rows.corners, nets)
+
+
+def least_varying_nets(network: Network) -> Array:
+    """Return the control nets of least variation alone, (k, 4, 4, 3) mm; see `fair_nets`."""
+    rows = _least_varying(network)
+    return _whole(network, rows.corners, rows.nets)
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The patches of the right half with least variation.
+
+    Attributes
+    ----------
+    corners : _Corners
+    nets : (r, 4, 4, 3) float
+        mm.
+    across : (4 r, n) float
+        How far each inner control point moves with its row.
+    form : (n, n) float
+        The variation by the rows.
+    """
+
+    corners: _Corners
+    nets: Array
+    across: Array
+    form: Array
+
+
+def _least_varying(network: Network) -> _Rows:
+    corners = _corners(network.template)
+    nets = coons_nets(network.control_points, network.template.sides)[corners.patches]
+    across = corners.factors(network)[:, None] * corners.member
     count = across.shape[1]
-    matrix = across.T @ (_BESIDE @ across.reshape(-1, 4, count)).reshape(-1, count)
-    right = -across.T @ (_BY_NET @ own.reshape(-1, 16, 3)).reshape(-1, 3)
+    form = across.T @ (_BESIDE @ across.reshape(-1, 4, count)).reshape(-1, count)
+    right = -across.T @ (_BY_NET @ nets.reshape(-1, 16, 3)).reshape(-1, 3)
     twists = np.zeros((count, 3))
-    twists[:, 1] = np.linalg.solve(matrix, right[:, 1])
+    twists[:, 1] = np.linalg.solve(form, right[:, 1])
     free = np.flatnonzero(~corners.held)
-    twists[free, ::2] = np.linalg.solve(matrix[np.ix_(free, free)], right[free, ::2])
-    inner = own[:, *INNER] + (across @ twists).reshape(-1, 4, 3)
+    twists[free, ::2] = np.linalg.solve(form[np.ix_(free, free)], right[free, ::2])
+    nets[:, *INNER] += (across @ twists).reshape(-1, 4, 3)
+    return _Rows(corners, nets, across, form)
+
+
+def _whole(network: Network, corners: _Corners, right: Array) -> Array:
+    """Return the patches of both halves with the inner control points of the right one."""
+    nets = coons_nets(network.control_points, network.template.sides)
+    inner = right[:, *INNER]
     nets[corners.patches[:, None], *INNER] = inner
     nets[corners.images[:, :, 0], *np.array(INNER)[:, corners.images[:, :, 1]]] = inner * MIRROR
     return nets
@@ -116,6 +168,19 @@ class _Corners:
         ratios = np.where((lengths > 0.0).all(axis=1, keepdims=True), lengths, 1.0)
         logarithms = np.log(ratios[:, 1]) - np.log(ratios[:, 0])
         return np.asarray(self.signs * np.exp(self.powers @ logarithms))
+
+    def normals(self, nets: Array) -> Array:
+        """Return the unit normal of the corners of each row, 0 where they have none, (n, 3).
+
+        Parameters
+        ----------
+        nets : (r, 4, 4, 3) float
+            The patches of the right half, mm.
+        """
+        corners, along, across = (nets[:, *places] for places in (CORNERS, ALONG, ACROSS))
+        normals = self.member.T @ cross_product(along - corners, across - corners).reshape(-1, 3)
+        sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+        return np.asarray(normals / np.where(sizes > 0.0, sizes, 1.0))
 
 
 @lru_cache(maxsize=KNOWN)
@@ -215,9 +280,9 @@ def _variation() -> Array:
     return np.asarray(sum(np.kron(products[k], products[3 - k]) for k in range(4)))
 
 
-_FLAT: Final = [4 * i + j for i, j in zip(*INNER, strict=True)]
-_BY_NET: Final = _variation()[_FLAT]
+_FLAT: Final = tuple(4 * i + j for i, j in zip(*INNER, strict=True))
+_BY_NET: Final = _variation()[list(_FLAT)]
 """How each inner control point would change the variation, by all points of its net, (4, 16)."""
 
-_BESIDE: Final = _BY_NET[:, _FLAT]
+_BESIDE: Final = _BY_NET[:, list(_FLAT)]
 """The same by the inner points alone, (4, 4)."""

@@ -243,7 +243,7 @@ growth relative to 2 mm times the area."""
 @pytest.mark.interop
 @pytest.mark.parametrize(
     "name",
-    ["sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "pickup"],
+    ["sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv", "pickup"],
 )
 def test_open_cascade_offsets_a_closed_body_by_two_millimetres(name, tmp_path):
     python = os.environ.get("BOZZETTO_CAD_READERS")
