@@ -17,7 +17,7 @@ SAMPLES: Final = 48
 """Samples at equal steps by which a stroke is looked at, at least."""
 
 STEP: Final = 0.006
-"""Shares of the diagonal between samples of a long stroke: a short edge among others has several."""
+"""Shares of the diagonal between samples of a long stroke: a short edge in it has several."""
 
 MOST_SAMPLES: Final = 320
 """Samples of the longest stroke."""

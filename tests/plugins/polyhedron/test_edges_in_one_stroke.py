@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ def path(rng: np.random.Generator, count: int) -> np.ndarray:
 def in_one_stroke(corners: np.ndarray, rng: np.random.Generator, round_by: int = 2):
     """Draw edges one after the other: bowed by 0.6 %, with a tremor, round at the corners."""
     made = []
-    for start, end in zip(corners, corners[1:], strict=False):
+    for start, end in pairwise(corners):
         length = float(np.linalg.norm(end - start))
         x = np.linspace(0.0, 1.0, max(8, int(250 * length)))
         across = np.array([-(end - start)[1], (end - start)[0]]) / length
