@@ -20,7 +20,7 @@ from bozzetto_polyhedron.graph.segments import Segments
 FEW_LINES: Final = (0.0, 22.0, 14.0)
 """Cost of a corner of no, one, two lines: closed polyhedra have three or more at each."""
 
-FEW_VISIBLE: Final = (0.0, 4.0, 1.0)
+FEW_VISIBLE: Final = (0.0, 4.0, -1.0)
 """The same where only visible lines are drawn: hidden ones are missing at many corners, and a line
 that goes behind a face ends alone."""
 

@@ -398,9 +398,7 @@ def line_costs(path: Array) -> Array:
     return np.where(columns - rows >= 2, np.maximum(least, 0.0), np.inf)
 
 
-def _without_hooks(
-    path: Array, size: float, runs: list[tuple[int, int]]
-) -> list[tuple[int, int]]:
+def _without_hooks(path: Array, size: float, runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """Drop runs at both ends that are only a slip of the pen."""
     step = _path_length(path) / (len(path) - 1)
     least = min(HOOK * len(path), LONGEST_HOOK * size / step)
