@@ -16,7 +16,7 @@ from bozzetto.arrays import Array
 ROUNDS: Final = 200
 """Corners that are looked at, at most; twenty are usual."""
 
-SETTLED: Final = 1e-12
+SETTLED: Final = 1e-8
 """Share of the squared distance by which no other corner is nearer."""
 
 TOUCHING: Final = 1e-12
@@ -55,7 +55,10 @@ def _nearest(points: Array, shares: Array) -> tuple[Array, Array]:
         rows[1:, 1:] = points @ points.T
         wanted = np.zeros(count + 1)
         wanted[0] = 1.0
-        flat = np.linalg.lstsq(rows, wanted, rcond=None)[0][1:]
+        try:
+            flat = np.linalg.solve(rows, wanted)[1:]
+        except np.linalg.LinAlgError:  # the new corner lies in the plane of the others
+            flat = np.linalg.lstsq(rows, wanted, rcond=None)[0][1:]
         if (flat > 0.0).all():
             return points, flat / flat.sum()
         falling = flat <= 0.0
