@@ -67,7 +67,7 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
         *(Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
         *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, Followed, BodyGroup),
     )
-    first_parameters = ("answer", "length", "diameter", "depth")
+    first_parameters = ("answer", "length", "depth")
     figures = FIGURES
 
     @override
