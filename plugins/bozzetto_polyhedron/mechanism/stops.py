@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.plugin import remembered
+from bozzetto.plugin import override, remembered
 from bozzetto_polyhedron.mechanism.assembly import (
     DIRECTION,
     GROUND,
@@ -209,6 +209,7 @@ class _RoundPair(_Pair):
         self._slack = self.share * float(np.linalg.norm(spokes, axis=1).max())
         self._corners = corners
 
+    @override
     def gap(self, angle: float) -> float:
         """Return no more than the gap where one is turned by an angle, m; 0 where they touch."""
         turn = rotations_by(angle * self._axis[None])[0]
