@@ -82,11 +82,10 @@ def measure_item(measure: Measure, ends: Array) -> Label:
 def round_size_item(size: RoundSize, points: Array) -> Label:
     """Return the diameter, and the depth where there is one, in the middle of a rim or an arc."""
     x, y, z = (float(value) for value in points.mean(axis=0))
-    words = [f"Ø {size.diameter:.6g}"] if size.diameter else []
+    words = [f"diameter {size.diameter:.6g} mm"] if size.diameter else []
     if isinstance(size, RimSize) and size.depth:
-        words.append(f"{size.depth:.6g}")
-    text = f"{' × '.join(words)} mm" if words else "as drawn"
-    return Label((x, y, z), text, color="accent", size=13.0)
+        words.append(f"depth {size.depth:.6g} mm")
+    return Label((x, y, z), ", ".join(words) or "as drawn", color="accent", size=13.0)
 
 
 def page_items(curves: Sequence[Curve]) -> list[Item]:

@@ -118,7 +118,7 @@ def test_what_was_typed_is_touched_again_shown_and_erased():
     labels = [
         item.text for layer in scene.layers for item in layer.items if isinstance(item, Label)
     ]
-    assert labels == ["Ø 20 × 500 mm"]
+    assert labels == ["diameter 20 mm, depth 500 mm"]
     (body,) = state.of_kind(Body)
     line = round_lines(body, solid(state))[0]
     path = ASIDE.project(line.points)[0]
