@@ -28,6 +28,7 @@ from bozzetto_polyhedron.model.changes import Added, Chamfer, Copies, Fillet, Jo
 from bozzetto_polyhedron.model.earlier_states import with_spots
 from bozzetto_polyhedron.model.fittings import Coil, Crank, Hinge, Link, Pin, Slider, Trace
 from bozzetto_polyhedron.model.followed import Followed
+from bozzetto_polyhedron.model.round_sizes import RimSize, RoundSize
 from bozzetto_polyhedron.model.state import (
     Body,
     BodyGroup,
@@ -62,7 +63,8 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     state_type = PolyhedronState
     state_version = 2
     part_types = (
-        *(Body, Measure, Slant, Opening, Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
+        *(Body, Measure, RoundSize, RimSize, Slant, Opening),
+        *(Push, Added, Chamfer, Fillet, Mirror, Copies, Join),
         *(Link, Coil, Slider, Pin, Hinge, Crank, Trace, Followed, BodyGroup),
     )
     first_parameters = ("answer", "length", "depth")

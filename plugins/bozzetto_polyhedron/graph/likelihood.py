@@ -20,7 +20,7 @@ from bozzetto_polyhedron.graph.segments import Segments
 FEW_LINES: Final = (0.0, 22.0, 14.0)
 """Cost of a corner of no, one, two lines: closed polyhedra have three or more at each."""
 
-FEW_VISIBLE: Final = (0.0, 4.0, 1.0)
+FEW_VISIBLE: Final = (0.0, 4.0, -1.0)
 """The same where only visible lines are drawn: hidden ones are missing at many corners, and a line
 that goes behind a face ends alone."""
 
@@ -225,9 +225,11 @@ def _line(rows: list[list[list[float]]], members: Members, spread: Spread) -> Li
     if len(rows) > 1:
         unit = log(sqrt(2 * pi) * spread.across * length)
         costs = [
-            min(WORST, 0.5 * ((y * ux - x * uy) / spread.across) ** 2 + unit)
+            min(
+                WORST,
+                0.5 * ((y * ux - x * uy) / spread.across) ** 2 + (unit if low < at < high else 0.0),
+            )
             for (x, y), at in zip(away, along, strict=True)
-            if low < at < high
         ]
         misfit += sum(costs) + AGAIN * (len(rows) - 1)
     start, stop = (cx + ux * low, cy + uy * low), (cx + ux * high, cy + uy * high)

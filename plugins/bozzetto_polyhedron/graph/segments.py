@@ -14,7 +14,13 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto.plugin import cached_property
 
 SAMPLES: Final = 48
-"""Samples at equal steps by which a stroke is looked at."""
+"""Samples at equal steps by which a stroke is looked at, at least."""
+
+STEP: Final = 0.006
+"""Shares of the diagonal between samples of a long stroke: a short edge in it has several."""
+
+MOST_SAMPLES: Final = 320
+"""Samples of the longest stroke."""
 
 SLACK: Final = 0.02
 """Shares of the diagonal by which any stroke may leave its chord and is still a line: a hand that
@@ -29,8 +35,15 @@ DEEPEST_BOW: Final = 0.12
 DEEPEST_SLACK: Final = 0.035
 """Shares of the diagonal up to which a stroke without corners is taken for a bowed line."""
 
-MOST_PIECES: Final = 8
-"""Most pieces of one stroke: twice round a quadrilateral."""
+MOST_PIECES: Final = 12
+"""Most pieces of one stroke: once round a face like an H."""
+
+LEAST_SPREAD, SPREAD = 0.0025, 0.004
+"""Root mean square distance of a straight run from its line: shares of the diagonal, and of its
+length beside that."""
+
+AT_CORNER: Final = 0.012
+"""Shares of the diagonal beside a corner along which its turn is measured, at least."""
 
 SHARPEST_CORNER: Final = 0.6
 """Share of the turn between two pieces that takes place close to where they meet, for a corner; on
@@ -51,6 +64,9 @@ LEAST_HALF: Final = 0.03
 
 HOOK: Final = 0.08
 """Share of a stroke's length under which a piece at its end is a slip of the pen."""
+
+LONGEST_HOOK: Final = 0.03
+"""Shares of the diagonal from which on it is none: it is the last edge of several."""
 
 THERE_AND_BACK: Final = 1.3
 """Length of a straight run, in distances of its ends, from which on it was drawn to and fro."""
@@ -189,7 +205,7 @@ def pieces_of(stroke: Drawn, size: float, ends: Array) -> Pieces:
     mean = float(pressure.mean()) if pressure.size else 0.5
     if not np.isfinite(mean):
         mean = 0.5
-    path = _resampled(points)
+    path = _resampled(points, size)
     if path is None or _path_length(path) < SHORTEST * size:
         place = points.mean(0) if len(points) else np.zeros(2)
         return Pieces(np.zeros((0, 2, 2)), np.zeros(0), mean, False, place)
@@ -214,7 +230,7 @@ def segments_of(pieces: Sequence[Pieces]) -> Segments:
     )
 
 
-def _resampled(points: Array) -> Array | None:
+def _resampled(points: Array, size: float) -> Array | None:
     """Return samples at equal steps along the stroke; None for a dot."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     kept = np.concatenate([[True], steps > 0])[: len(points)]
@@ -224,7 +240,8 @@ def _resampled(points: Array) -> Array | None:
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if not 0 < at[-1] < np.inf:
         return None
-    wanted = np.linspace(0.0, at[-1], SAMPLES)
+    count = int(min(max(at[-1] / (STEP * size), SAMPLES), MOST_SAMPLES))
+    wanted = np.linspace(0.0, at[-1], count)
     return np.column_stack([np.interp(wanted, at, column) for column in points.T])
 
 
@@ -242,7 +259,7 @@ def is_curved(stroke: Drawn, size: float) -> bool:
     size : float
         Diagonal of the drawing, px.
     """
-    path = _resampled(samples_of(stroke))
+    path = _resampled(samples_of(stroke), size)
     if path is None or _path_length(path) < SHORTEST * size:
         return False
     return _straight_runs(path, size) is None
@@ -255,8 +272,8 @@ def _straight_runs(path: Array, size: float) -> list[tuple[int, int]] | None:
     away = _deviation(path)
     if away <= max(SLACK * size, BOW * length) and _path_length(path) < 1.5 * length:
         return whole
-    runs = _without_hooks(_polyline(path, 0.004 * size + 0.01 * _path_length(path)))
-    if len(runs) == 1 or _are_corners(path, runs):
+    runs = _joined(path, size, _without_hooks(path, size, _polyline(path, size)))
+    if len(runs) == 1 or (runs and _are_corners(path, size, runs)):
         return runs
     deepest = max(DEEPEST_SLACK * size, DEEPEST_BOW * length)
     if away <= deepest and _path_length(path) < 1.5 * length:
@@ -324,24 +341,47 @@ def _deviation(path: Array) -> float:
     return float(np.abs(away[:, 0] * chord[1] - away[:, 1] * chord[0]).max() / length)
 
 
-def _polyline(path: Array, tolerance: float) -> list[tuple[int, int]]:
-    """Fit the fewest straight runs within a root mean square distance, by dynamic programming."""
-    cost = line_costs(path)
+def _polyline(path: Array, size: float) -> list[tuple[int, int]]:
+    """Fit the fewest straight runs, each as straight as a line of its length; none if too many.
+
+    A tolerance of the whole stroke would take short edges of a long one for slips of the pen.
+    """
     count = len(path)
-    best = [cost[0]]
+    rows, columns = np.indices((count, count))
+    spans = np.maximum(columns - rows, 1)
+    spread = LEAST_SPREAD * size + SPREAD * spans * (_path_length(path) / (count - 1))
+    cost = line_costs(path) / ((spans + 1) * spread**2)
+    cost[cost > 1.0] = np.inf
+    best = cost[0]
     came: list[Index] = []
-    for _ in range(MOST_PIECES - 1):
-        if best[-1][-1] <= count * tolerance**2:
-            break
-        through = best[-1][:, None] + cost
+    while not np.isfinite(best[-1]):
+        if len(came) == MOST_PIECES - 1:
+            return []
+        through = best[:, None] + cost
         came.append(through.argmin(0))
-        best.append(through.min(0))
+        best = through.min(0)
     at = count - 1
     runs = []
     for back in reversed(came):
         runs.append((int(back[at]), at))
         at = int(back[at])
     return [(0, at), *runs[::-1]]
+
+
+def _joined(path: Array, size: float, runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Join runs that hardly turn and that by themselves would be one bowed line."""
+    made: list[tuple[int, int]] = []
+    for first, last in runs:
+        if made:
+            begin, corner = made[-1]
+            both = path[begin : last + 1]
+            turn = _angle(path[corner] - path[begin], path[last] - path[corner])
+            length = float(np.linalg.norm(both[-1] - both[0]))
+            if turn < LEAST_TURN and _deviation(both) <= max(SLACK * size, BOW * length):
+                made[-1] = (begin, last)
+                continue
+        made.append((first, last))
+    return made
 
 
 def line_costs(path: Array) -> Array:
@@ -358,9 +398,10 @@ def line_costs(path: Array) -> Array:
     return np.where(columns - rows >= 2, np.maximum(least, 0.0), np.inf)
 
 
-def _without_hooks(runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
+def _without_hooks(path: Array, size: float, runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """Drop runs at both ends that are only a slip of the pen."""
-    least = HOOK * SAMPLES
+    step = _path_length(path) / (len(path) - 1)
+    least = min(HOOK * len(path), LONGEST_HOOK * size / step)
     while len(runs) > 1 and runs[0][1] - runs[0][0] < least:
         runs = runs[1:]
     while len(runs) > 1 and runs[-1][1] - runs[-1][0] < least:
@@ -368,10 +409,12 @@ def _without_hooks(runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
     return runs
 
 
-def _are_corners(path: Array, runs: list[tuple[int, int]]) -> bool:
+def _are_corners(path: Array, size: float, runs: list[tuple[int, int]]) -> bool:
     """Whether all runs meet in corners: most of the turn takes place close to them."""
+    step = _path_length(path) / (len(path) - 1)
+    least = max(2, round(AT_CORNER * size / step))
     for (first, corner), (_, last) in pairwise(runs):
-        near = max(2, min(corner - first, last - corner) // 4)
+        near = max(least, min(corner - first, last - corner) // 4)
         turn = _angle(path[corner] - path[first], path[last] - path[corner])
         here = _angle(
             path[max(corner - 1, 0)] - path[max(corner - 1 - near, 0)],

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.plugin import remembered
+from bozzetto.plugin import override, remembered
 from bozzetto_polyhedron.mechanism.assembly import (
     DIRECTION,
     GROUND,
@@ -24,6 +24,7 @@ from bozzetto_polyhedron.mechanism.assembly import (
 )
 from bozzetto_polyhedron.mechanism.collision import Placed, gap_between
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope, polytope_of
+from bozzetto_polyhedron.mechanism.distance import distance_between
 from bozzetto_polyhedron.mechanism.rotations import rotations_by
 
 CLEAR: Final = 0.02
@@ -39,8 +40,14 @@ FINE: Final = 1e-5
 """How closely an angle is found, rad."""
 
 MOST_AXES: Final = 2000
-"""Pairs of directions of edges up to which stops are sought: a second's work. Round limbs have
-more, and pass through what they are hinged to."""
+"""Pairs of directions of edges of all parts together up to which separating axes tell how far two
+parts are apart: a second's work. Those of round limbs are asked by their corners."""
+
+MOST_ROUND: Final = 8
+"""Pairs of parts that are asked by their corners: bodies of more pass through one another."""
+
+MOST_SMALLER: Final = 1e-3
+"""Share by which a round part may be smaller: where both are thin plates nothing stops them."""
 
 STRAIGHT: Final = 1e-6
 """Distance from an axis, by its length, within which places of a joint are on it."""
@@ -131,21 +138,25 @@ def free_turn(
     -------
     (float, float) or None
         From -2 π … 0 to 0 … 2 π. None where nothing meets, where they lie in one another at rest,
-        where the axis runs through them, and where they have too many edges to tell.
+        where the axis runs through them, and where round ones have too many parts or are thin.
     """
     sizes = (
         float(np.linalg.norm(np.ptp(np.concatenate([part.corners for part in each]), axis=0)))
         for each in (own, other)
     )
     size = min(sizes)
-    if _axes(own) * _axes(other) > MOST_AXES:
+    is_round = _axes(own) * _axes(other) > MOST_AXES
+    if is_round and len(own) * len(other) > MOST_ROUND:
         return None
     cleared = [_cleared(part, place, axis, CLEAR * size) for part in (*own, *other)]
     kept = [part for part in cleared if part is not None]
     if len(kept) < len(cleared):
         return None
     turning, still = kept[: len(own)], kept[len(own) :]
-    pairs = [_Pair(one, another, place, axis) for one in turning for another in still]
+    kind = _RoundPair if is_round else _Pair
+    pairs = [kind(one, another, place, axis, DEEP * size) for one in turning for another in still]
+    if any(isinstance(pair, _RoundPair) and pair.share > MOST_SMALLER for pair in pairs):
+        return None
     if min(pair.gap(0.0) for pair in pairs) < -DEEP * size:
         return None
     ends = [_end(pairs, way, -DEEP * size) for way in (-1.0, 1.0)]
@@ -159,7 +170,9 @@ def _axes(parts: Sequence[Polytope]) -> int:
 class _Pair:
     """A part that turns about an axis, and one that does not."""
 
-    def __init__(self, turning: Polytope, still: Polytope, place: Array, axis: Array) -> None:
+    def __init__(
+        self, turning: Polytope, still: Polytope, place: Array, axis: Array, deep: float
+    ) -> None:
         self._turning, self._place, self._axis = turning, place, axis
         self._nothing = np.zeros(3)
         self._still = Placed(still, self._nothing, np.eye(3), self._nothing, self._nothing)
@@ -173,6 +186,40 @@ class _Pair:
         return gap_between(
             Placed(self._turning, there, turn, self._nothing, self._nothing), self._still
         )
+
+
+class _RoundPair(_Pair):
+    """The same of parts with many edges: the thicker one is smaller by the depth of a meeting.
+
+    So the distance of their corners is 0 where the parts lie in one another by that, and not where
+    they touch.
+    """
+
+    def __init__(
+        self, turning: Polytope, still: Polytope, place: Array, axis: Array, deep: float
+    ) -> None:
+        super().__init__(turning, still, place, axis, deep)
+        inner = [_inner_radius(part) for part in (turning, still)]
+        number = int(np.argmax(inner))
+        corners = [part.corners - place for part in (turning, still)]
+        middle = corners[number].mean(axis=0)
+        spokes = corners[number] - middle
+        self.share = deep / max(inner[number], deep)
+        corners[number] = middle + (1.0 - self.share) * spokes
+        self._slack = self.share * float(np.linalg.norm(spokes, axis=1).max())
+        self._corners = corners
+
+    @override
+    def gap(self, angle: float) -> float:
+        """Return no more than the gap where one is turned by an angle, m; 0 where they touch."""
+        turn = rotations_by(angle * self._axis[None])[0]
+        apart = distance_between(self._corners[0] @ turn.T, self._corners[1])
+        return max(0.0, apart - self._slack) if apart > 0.0 else -np.inf
+
+
+def _inner_radius(part: Polytope) -> float:
+    """Return the distance of the mean of its corners from the nearest face, m."""
+    return float((part.offsets - part.normals @ part.corners.mean(axis=0)).min())
 
 
 def _end(pairs: Sequence[_Pair], way: float, deepest: float) -> float | None:

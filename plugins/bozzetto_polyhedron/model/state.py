@@ -36,6 +36,7 @@ from bozzetto_polyhedron.model.fittings import (
 )
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.limits import require_near
+from bozzetto_polyhedron.model.round_sizes import RimSize, RoundSize
 
 Color: TypeAlias = tuple[int, int, int]
 
@@ -336,6 +337,8 @@ class PolyhedronState(PartsState):
     nodes: tuple[
         Body
         | Measure
+        | RoundSize
+        | RimSize
         | Slant
         | Opening
         | Push
@@ -439,6 +442,10 @@ class PolyhedronState(PartsState):
         """Return the visible dimensions of a body."""
         return tuple(each for each in self.shown(Measure) if each.body == body.id)
 
+    def round_sizes_of(self, body: Body) -> tuple[RoundSize, ...]:
+        """Return the visible typed sizes of what was drawn round in a body."""
+        return tuple(each for each in self.shown(RoundSize) if each.body == body.id)
+
     def slants_of(self, body: Body) -> tuple[Slant, ...]:
         """Return the visible faces of a body that keep their slant."""
         return tuple(each for each in self.shown(Slant) if each.body == body.id)
@@ -456,7 +463,8 @@ class PolyhedronState(PartsState):
         if not any(node.id == self.selected for node in self.nodes):
             return self.selected
         node = self.node(self.selected)
-        return node.body if isinstance(node, Measure | Slant | Opening | Change) else self.selected
+        of_body = isinstance(node, Measure | RoundSize | Slant | Opening | Change)
+        return node.body if of_body else self.selected
 
     def chosen_first(self) -> list[Body]:
         """Return the bodies that are shown and have ink, the chosen one first."""

@@ -6,7 +6,8 @@ lies on the face on which its rim was drawn.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -21,7 +22,14 @@ from bozzetto_polyhedron.drawing_on.push import prism_on, pushed
 from bozzetto_polyhedron.drawing_on.rounded_edges import rounded_edge, rounded_end
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.rounds.ellipses import TURN, Ellipse
-from bozzetto_polyhedron.rounds.round_things import Barrel, Bend, Reading, Rim
+from bozzetto_polyhedron.rounds.round_things import (
+    Barrel,
+    Bend,
+    PlacedRound,
+    Reading,
+    Rim,
+    RoundSizes,
+)
 from bozzetto_polyhedron.rounds.straightened import Column, Straightened
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.planar_body import PlanarBody
@@ -54,8 +62,43 @@ CORNER: Final = 0.06
 """Distance of a corner of the graph from where lines would meet, in diagonals."""
 
 
-def with_rounds(body: PlanarBody, graph: LineGraph, found: Straightened, camera: Camera) -> Changed:
-    """Return the exact body of a drawing with what was round in it.
+AS_DRAWN: Final = RoundSizes()
+"""Of what nobody typed a size of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rounded:
+    """The exact body of a drawing with what was round in it.
+
+    Parameters
+    ----------
+    made : Changed
+        What fits nowhere is left out and told.
+    placed : mapping of int to PlacedRound
+        What was put on it, by the numbers of `rounds.round_curves`.
+    """
+
+    made: Changed
+    placed: Mapping[int, PlacedRound] = field(default_factory=dict)
+
+    def after(self, number: int, placed: PlacedRound, body: PlanarBody) -> Rounded:
+        """Return the same with something more that is round."""
+        made = replace(self.made, body=body, circles=(*self.made.circles, placed.circle))
+        return Rounded(made, {**self.placed, number: placed})
+
+    def without(self, what: str, problem: UserError) -> Rounded:
+        """Return the same, which tells why something is left out."""
+        return replace(self, made=replace(self.made, told=(*self.made.told, f"{what} {problem}")))
+
+
+def with_rounds(
+    body: PlanarBody,
+    graph: LineGraph,
+    found: Straightened,
+    camera: Camera,
+    sizes: Mapping[int, RoundSizes],
+) -> Rounded:
+    """Put what was round in a drawing on its exact body.
 
     Parameters
     ----------
@@ -67,22 +110,21 @@ def with_rounds(body: PlanarBody, graph: LineGraph, found: Straightened, camera:
         The drawing.
     camera : Camera
         Through which it was drawn.
-
-    Returns
-    -------
-    Changed
-        What fits nowhere is left out and told.
+    sizes : mapping of int to RoundSizes
+        What was typed, by the numbers of `rounds.round_curves`.
     """
     reading = found.reading
     if reading is None:
-        return Changed(body)
+        return Rounded(Changed(body))
     if not body.closed:
-        return Changed(body, told=(f"{LEFT_OUT[2]} They need a closed solid.",))
-    made = _with_bends(Changed(body), graph, reading)
+        told = (f"{LEFT_OUT[2]} They need a closed solid.",)
+        return Rounded(Changed(body, told=told))
+    made = _with_bends(Rounded(Changed(body)), graph, reading, sizes)
     done: set[int] = set()
     if found.column is not None:
-        made = _turned(made, graph, found.column)
-        done = {found.column.barrel.near, found.column.barrel.far}
+        near, far = found.column.barrel.near, found.column.barrel.far
+        made = _turned(made, graph, found.column, sizes.get(near, AS_DRAWN))
+        done = {near, far}
     order = sorted(
         (k for k in range(len(reading.rims)) if k not in done),
         key=lambda k: -reading.rims[k].ellipse.radius,
@@ -94,13 +136,17 @@ def with_rounds(body: PlanarBody, graph: LineGraph, found: Straightened, camera:
             if number in done or (barrel is not None and barrel.outside) != stands_out:
                 continue
             done |= {number} if barrel is None else {barrel.near, barrel.far}
+            name = number if barrel is None else barrel.near
+            size = sizes.get(name, AS_DRAWN)
             try:
                 if barrel is not None and stands_out:
-                    made = _with_boss(made, reading, barrel, camera)
+                    placed, after = _boss(made.made.body, reading, barrel, camera, size)
                 else:
-                    made = _with_hole(made, reading, reading.rims[number], barrel, camera)
+                    rim = reading.rims[number]
+                    placed, after = _hole(made.made.body, reading, rim, barrel, camera, size)
+                made = made.after(name, placed, after)
             except UserError as problem:
-                made = replace(made, told=(*made.told, f"{LEFT_OUT[0]} {problem}"))
+                made = made.without(LEFT_OUT[0], problem)
     return made
 
 
@@ -128,9 +174,9 @@ def shows_column(vertices: Array, graph: LineGraph, column: Column) -> bool:
     return bool(is_square and np.abs(cosines).max() < SQUARE)
 
 
-def _turned(made: Changed, graph: LineGraph, column: Column) -> Changed:
+def _turned(made: Rounded, graph: LineGraph, column: Column, size: RoundSizes) -> Rounded:
     """Return the cylinder within a box."""
-    body = made.body
+    body = made.made.body
     near = set(_vertices_at(graph, column.corners[:4], np.inf))
     faces = [k for k, face in enumerate(body.faces) if set(face[0]) == near]
     if len(faces) != 1:
@@ -139,37 +185,44 @@ def _turned(made: Changed, graph: LineGraph, column: Column) -> Changed:
     normal, offset = body.normals[faces[0]], float(body.offsets[faces[0]])
     center = ring.mean(axis=0)
     radius = 0.5 * float(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1).mean())
-    depth = float((body.vertices @ normal).min()) - offset
-    circle = Circle(center, normal, radius, -1, 0.0)
-    prism = prism_on(normal, offset, polygon_of(circle), depth)
+    depth = size.depth or offset - float((body.vertices @ normal).min())
+    circle = _sized(Circle(center, normal, radius, -1, 0.0), size)
+    prism = prism_on(normal, offset, polygon_of(circle), -depth)
     prism = replace(prism, frame=body.frame, told=body.told)
-    return replace(made, body=prism, circles=(*made.circles, circle))
+    return made.after(column.barrel.near, PlacedRound(circle, depth), prism)
 
 
-def _with_bends(made: Changed, graph: LineGraph, reading: Reading) -> Changed:
+def _sized(circle: Circle, size: RoundSizes) -> Circle:
+    """Return a circle with the diameter that was typed."""
+    return replace(circle, radius=0.5 * size.diameter) if size.diameter > 0.0 else circle
+
+
+def _with_bends(
+    made: Rounded, graph: LineGraph, reading: Reading, sizes: Mapping[int, RoundSizes]
+) -> Rounded:
     """Return a body with its corners rounded that were drawn round."""
+    drawn = made.made.body
     named = [
-        (
-            bend,
-            [_edge_at(made.body, graph, bend, k, reading.size) for k in range(len(bend.corners))],
-        )
+        [_edge_at(drawn, graph, bend, k, reading.size) for k in range(len(bend.corners))]
         for bend in reading.bends
     ]
-    drawn = made.body
-    for bend, edges in named:
+    for number, (bend, edges) in enumerate(
+        zip(reading.bends, named, strict=True), len(reading.rims)
+    ):
+        size = sizes.get(number, AS_DRAWN)
         try:
-            radius = _radius(drawn, graph, bend, edges)
+            radius = 0.5 * size.diameter or _radius(drawn, graph, bend, edges)
             ends = [tuple(drawn.vertices[list(edge)]) for edge in edges if edge is not None]
             if len(ends) < len(edges):
                 raise UserError("The lines at an arc meet in no edge.")
-            numbers = [_edge_between(made.body, *pair) for pair in ends]
+            numbers = [_edge_between(made.made.body, *pair) for pair in ends]
             if len(numbers) == 1:
-                body, circle = rounded_edge(made.body, numbers[0], radius)
+                body, circle = rounded_edge(made.made.body, numbers[0], radius)
             else:
-                body, circle = rounded_end(made.body, numbers[0], numbers[1])
-            made = replace(made, body=body, circles=(*made.circles, circle))
+                body, circle = rounded_end(made.made.body, numbers[0], numbers[1])
+            made = made.after(number, PlacedRound(circle), body)
         except UserError as problem:
-            made = replace(made, told=(*made.told, f"{LEFT_OUT[1]} {problem}"))
+            made = made.without(LEFT_OUT[1], problem)
     return made
 
 
@@ -281,32 +334,40 @@ def _height(camera: Camera, circle: Circle, shift: Array) -> float:
     return float(shift @ image) / square
 
 
-def _with_boss(made: Changed, reading: Reading, barrel: Barrel, camera: Camera) -> Changed:
-    """Return a body with a cylinder on one of its faces."""
+def _boss(
+    body: PlanarBody, reading: Reading, barrel: Barrel, camera: Camera, size: RoundSizes
+) -> tuple[PlacedRound, PlanarBody]:
+    """Return a cylinder on one of the faces of a body, and the body with it."""
     near, far = reading.rims[barrel.near], reading.rims[barrel.far]
     problem: UserError | None = None
     for base, top in ((far, near), (near, far)):
         try:
-            circle = _on_face(made.body, base.ellipse, False, camera)
+            circle = _on_face(body, base.ellipse, False, camera)
         except UserError as found:
             problem = problem or found
             continue
         height = _height(camera, circle, top.ellipse.center - base.ellipse.center)
         if height <= 0.0:
             continue
-        body = pushed(made.body, circle.face, polygon_of(circle), height)
-        return replace(made, body=body, circles=(*made.circles, circle))
+        circle, height = _sized(circle, size), size.depth or height
+        after = pushed(body, circle.face, polygon_of(circle), height)
+        return PlacedRound(circle, height), after
     raise problem or UserError("Its far rim lies on no face.")
 
 
-def _with_hole(
-    made: Changed, reading: Reading, rim: Rim, barrel: Barrel | None, camera: Camera
-) -> Changed:
-    """Return a body with a hole: as deep as its other rim is drawn, or else through the wall."""
-    circle = _on_face(made.body, rim.ellipse, rim.light, camera)
-    wall, is_across = _wall_under(made.body, circle)
-    depth, through = wall, True
-    if barrel is not None:
+def _hole(
+    body: PlanarBody,
+    reading: Reading,
+    rim: Rim,
+    barrel: Barrel | None,
+    camera: Camera,
+    size: RoundSizes,
+) -> tuple[PlacedRound, PlanarBody]:
+    """Return a hole, as deep as its other rim is drawn or else through the wall, and the body."""
+    circle = _on_face(body, rim.ellipse, rim.light, camera)
+    wall, is_across = _wall_under(body, circle)
+    depth, through = size.depth or wall, size.depth == 0.0
+    if barrel is not None and size.depth == 0.0:
         near, far = reading.rims[barrel.near], reading.rims[barrel.far]
         other = far if rim is near else near
         depth = -_height(camera, circle, other.ellipse.center - rim.ellipse.center)
@@ -315,8 +376,9 @@ def _with_hole(
         per_px = wall / max(_length(camera, circle, wall), 1e-9)
         through = depth > wall - max(NEAR * wall, NOISE * reading.size * per_px)
     reach = -depth if not through else (-wall if is_across else float("-inf"))
-    body = pushed(made.body, circle.face, polygon_of(circle), reach)
-    return replace(made, body=body, circles=(*made.circles, circle))
+    circle = _sized(circle, size)
+    after = pushed(body, circle.face, polygon_of(circle), reach)
+    return PlacedRound(circle, 0.0 if through else depth), after
 
 
 def _length(camera: Camera, circle: Circle, depth: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bozzetto.arrays import Array, Flags
+from bozzetto_polyhedron.drawing_on.circles import Circle
 from bozzetto_polyhedron.rounds.ellipses import Ellipse
 
 
@@ -114,3 +115,34 @@ class Reading:
         sides = [number for barrel in self.barrels for number in barrel.tangents]
         bends = [number for bend in self.bends for number in bend.strokes]
         return frozenset((*rims, *sides, *bends, *self.dashes))
+
+
+@dataclass(frozen=True)
+class RoundSizes:
+    """Typed sizes of something round, mm; 0 where they are those of the ink.
+
+    Parameters
+    ----------
+    diameter : float
+    depth : float
+        How deep a hole is, or how high what stands out.
+    """
+
+    diameter: float = 0.0
+    depth: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedRound:
+    """What is round, on a body.
+
+    Parameters
+    ----------
+    circle : Circle
+        mm.
+    depth : float
+        mm; 0 for what goes through, and for arcs.
+    """
+
+    circle: Circle
+    depth: float = 0.0

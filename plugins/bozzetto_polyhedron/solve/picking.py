@@ -13,6 +13,7 @@ from bozzetto.view import Camera
 from bozzetto_polyhedron.model.changes import Join
 from bozzetto_polyhedron.model.same_view import is_one_sheet, is_same, on_sheet, view_of
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.rounds.round_curves import RoundCurve
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.solve.round_lines import is_column, round_lines
 
@@ -38,6 +39,19 @@ class Touched:
     found: Solved
     distance: float
     number: int
+
+
+@dataclass(frozen=True, eq=False)
+class TouchedRound(Touched):
+    """Rim or arc under the pen; its number is that of the corner nearest to it.
+
+    Parameters
+    ----------
+    curve : RoundCurve
+        As it was drawn.
+    """
+
+    curve: RoundCurve
 
 
 def solids_in(state: PolyhedronState) -> list[Body]:
@@ -73,9 +87,9 @@ def corner_at(state: PolyhedronState, camera: Camera, place: Array) -> Touched |
     return best
 
 
-def round_line_at(state: PolyhedronState, camera: Camera, place: Array) -> Touched | None:
-    """Return the nearest rim or arc within reach, of any body, by the corner nearest to it."""
-    best: Touched | None = None
+def round_line_at(state: PolyhedronState, camera: Camera, place: Array) -> TouchedRound | None:
+    """Return the nearest rim or arc within reach, of any body."""
+    best: TouchedRound | None = None
     for body in _bodies(state):
         found = solved(body, state)
         if body.choice is None and not is_one_sheet(camera, view_of(body)):
@@ -86,9 +100,9 @@ def round_line_at(state: PolyhedronState, camera: Camera, place: Array) -> Touch
                 continue
             away = float(distances_to_polyline(np.reshape(place, (1, 2)), seen)[0])
             if away <= (REACH if best is None else best.distance):
-                middle = line.drawn.mean(axis=0)
+                middle = line.curve.drawn.mean(axis=0)
                 number = _smallest(np.linalg.norm(found.graph.places - middle, axis=1))
-                best = Touched(body, found, away, number)
+                best = TouchedRound(body, found, away, number, line.curve)
     return best
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Final
 
@@ -22,7 +22,8 @@ from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
 from bozzetto_polyhedron.rounds.ink_left import Evidence
-from bozzetto_polyhedron.rounds.on_bodies import shows_column, with_rounds
+from bozzetto_polyhedron.rounds.on_bodies import Rounded, shows_column, with_rounds
+from bozzetto_polyhedron.rounds.round_things import PlacedRound
 from bozzetto_polyhedron.rounds.straightened import Straightened, straightened
 from bozzetto_polyhedron.solid.equal_lengths import with_equal_lengths
 from bozzetto_polyhedron.solid.exact import exact_body
@@ -35,6 +36,7 @@ from bozzetto_polyhedron.solve.corner_order import in_order
 from bozzetto_polyhedron.solve.line_readings import decided
 from bozzetto_polyhedron.solve.measured_edges import dimensions_of
 from bozzetto_polyhedron.solve.open_faces import opened
+from bozzetto_polyhedron.solve.round_sizes import sizes_of
 from bozzetto_polyhedron.solve.slanted_faces import slanted_faces
 
 Checkpoint = Callable[[float, str], None]
@@ -74,6 +76,8 @@ class Solved:
         The same with all that was drawn on it, without the faces that are open.
     mesh : Mesh or None
         Its triangles; with the thickness of a sheet.
+    rounds : mapping of int to PlacedRound
+        What was drawn round, in the frame of the drawing, by the numbers of `rounds.round_curves`.
     problem : str
         Why there is no body, for a person; "" where there is one, or where nobody asked yet.
     """
@@ -84,6 +88,7 @@ class Solved:
     base: PlanarBody | None = None
     changed: Changed | None = None
     mesh: Mesh | None = None
+    rounds: Mapping[int, PlacedRound] = field(default_factory=dict)
     problem: str = ""
 
     @property
@@ -122,8 +127,10 @@ def solved(
     checkpoint(0.9, "Exact planes")
     try:
         base = _base(body, state, graph, answers, number, checkpoint)
-        drawn = rounded(base, body, graph)
-        made = changed_body(drawn, state.changes_of(body), _others(body, state), body.placement)
+        drawn = _rounded(base, body, state, graph)
+        made = changed_body(
+            drawn.made, state.changes_of(body), _others(body, state), body.placement
+        )
         left, told = opened(made.body, body, state)
         made = replace(made, body=left, told=(*made.told, *told))
         placed = placed_changes(made, body.placement)
@@ -132,7 +139,8 @@ def solved(
         )
     except UserError as problem:
         return Solved(graph, answers, number, problem=str(problem))
-    return Solved(graph, answers, number, placed_body(base, body.placement), placed, mesh)
+    base = placed_body(base, body.placement)
+    return Solved(graph, answers, number, base, placed, mesh, drawn.placed)
 
 
 def joined_bodies(results: Mapping[str, Solved]) -> dict[str, str]:
@@ -193,22 +201,23 @@ def placed_changes(made: Changed, placement: Placement) -> Changed:
     return made.mapped(lambda body: placed_body(body, placement), placement.points, placement.scale)
 
 
-def rounded(base: PlanarBody, body: Body, graph: LineGraph) -> Changed:
-    """Return the exact body of straight lines with what was drawn round in it."""
-    found = straightened(body.strokes, body.evidence)
-    if found.reading is None:
-        return Changed(base)
-    return with_rounds(base, graph, found, body.strokes[0].camera)
-
-
 def answered(body: Body, state: PolyhedronState, number: int) -> Changed | None:
     """Return an answer as an exact body with what was drawn round; None where it makes none."""
     graph = graph_of_ink(body.strokes, body.evidence, never)
     answers = answers_of_ink(body.strokes, body.evidence, body.hidden, never)
     try:
-        return rounded(_base(body, state, graph, answers, number, never), body, graph)
+        return _rounded(_base(body, state, graph, answers, number, never), body, state, graph).made
     except UserError:
         return None
+
+
+def _rounded(base: PlanarBody, body: Body, state: PolyhedronState, graph: LineGraph) -> Rounded:
+    """Return the exact body of straight lines with what was drawn round in it."""
+    found = straightened(body.strokes, body.evidence)
+    if found.reading is None:
+        return Rounded(Changed(base))
+    sizes = sizes_of(state.round_sizes_of(body), found.reading)
+    return with_rounds(base, graph, found, body.strokes[0].camera, sizes)
 
 
 def _drawn(body: Body, state: PolyhedronState) -> Changed | None:

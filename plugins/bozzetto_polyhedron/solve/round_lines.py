@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array
+from bozzetto_polyhedron.drawing_on.circles import TURN, area_radius
 from bozzetto_polyhedron.model.same_view import camera_of, on_sheet
 from bozzetto_polyhedron.model.state import Body
-from bozzetto_polyhedron.rounds.ellipses import TURN
-from bozzetto_polyhedron.rounds.round_things import Reading
+from bozzetto_polyhedron.rounds.round_curves import RoundCurve, curves_of
+from bozzetto_polyhedron.rounds.round_things import PlacedRound
 from bozzetto_polyhedron.rounds.straightened import straightened
+from bozzetto_polyhedron.solid.face_rings import tangents
+from bozzetto_polyhedron.solid.planar_body import PlanarBody
 from bozzetto_polyhedron.solve.pipeline import Solved
 
-SAMPLES: Final = 73
-"""Points of an ellipse."""
-
-ON_CURVE: Final = 0.03
-"""Distance of a vertex from a curve as it was drawn, in diagonals, within which it lies on it."""
+ON_WALL: Final = 1e-6
+"""Distance of a vertex from a cylinder, in radii, within which it lies on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,16 +29,13 @@ class RoundLine:
 
     Parameters
     ----------
-    strokes : frozenset of int
-        All of what is round with it: both rims of a cylinder and its sides, or both arcs.
-    drawn : (n, 2) float64
-        In the drawing, px.
+    curve : RoundCurve
+        As it was drawn.
     points : (m, 3) float64
         Where it is now, mm in the frame of the model; empty where nothing came of it.
     """
 
-    strokes: frozenset[int]
-    drawn: Array
+    curve: RoundCurve
     points: Array
 
 
@@ -47,9 +44,14 @@ def round_lines(body: Body, found: Solved) -> list[RoundLine]:
     reading = straightened(body.strokes, body.evidence).reading
     if reading is None:
         return []
+    curves = curves_of(reading)
+    if body.choice is None or found.body is None:
+        return [RoundLine(curve, on_sheet(body, curve.drawn)) for curve in curves]
     return [
-        RoundLine(strokes, curve, _places(body, found, curve, ON_CURVE * reading.size))
-        for strokes, curve in _curves(reading)
+        RoundLine(curve, _places(body, found.body, found.rounds[curve.number], curve, curves))
+        if curve.number in found.rounds
+        else RoundLine(curve, np.zeros((0, 3)))
+        for curve in curves
     ]
 
 
@@ -58,33 +60,42 @@ def is_column(body: Body) -> bool:
     return straightened(body.strokes, body.evidence).column is not None
 
 
-def _curves(reading: Reading) -> Iterator[tuple[frozenset[int], Array]]:
-    """Yield every curve, px, with the strokes of all that is round with it."""
-    owners = {number: barrel for barrel in reading.barrels for number in (barrel.near, barrel.far)}
-    turn = np.linspace(0.0, TURN, SAMPLES)
-    for number, rim in enumerate(reading.rims):
-        own = set(rim.strokes)
-        if number in owners:
-            barrel = owners[number]
-            own |= {*reading.rims[barrel.near].strokes, *reading.rims[barrel.far].strokes}
-            own |= set(barrel.tangents)
-        yield frozenset(own), rim.ellipse.at(turn)
-    for bend in reading.bends:
-        for shift in (np.zeros(2), bend.shift):
-            yield frozenset(bend.strokes), bend.arc + shift
+def _places(
+    body: Body,
+    solid: PlanarBody,
+    placed: PlacedRound,
+    curve: RoundCurve,
+    curves: Sequence[RoundCurve],
+) -> Array:
+    """Return the vertices at that end of a cylinder which a curve draws, in order about its axis.
 
-
-def _places(body: Body, found: Solved, curve: Array, reach: float) -> Array:
-    """Return the vertices that lie on a curve as it was drawn, in the order of the curve."""
-    if body.choice is None or found.body is None:
-        return on_sheet(body, curve)
-    vertices = found.body.vertices
-    seen = camera_of(body).project(body.placement.inverse().points(vertices))[0]
-    away = np.linalg.norm(seen[:, None] - curve, axis=2)
-    straight = np.zeros(len(vertices), bool)
-    if found.base is not None:
-        gaps = np.linalg.norm(vertices[:, None] - found.base.vertices, axis=2)
-        straight = gaps.min(axis=1) <= 1e-9 * float(np.ptp(vertices, axis=0).max())
-    near = np.flatnonzero((away.min(axis=1) <= reach) & ~straight)
-    ordered = near[np.argsort(away[near].argmin(axis=1), kind="stable")]
-    return vertices[[*ordered, *ordered[: 1 if np.allclose(curve[0], curve[-1]) else 0]]]
+    They are found by the cylinder and not by the ink, which lies elsewhere once a size was typed.
+    """
+    circle = placed.circle
+    spokes = body.placement.inverse().points(solid.vertices) - circle.center
+    heights = spokes @ circle.axis
+    flat = spokes @ tangents(circle.axis).T
+    corners = circle.radius if circle.is_arc else area_radius(circle.radius)
+    on_wall = np.abs(np.linalg.norm(flat, axis=1) - corners) < ON_WALL * corners
+    if not on_wall.any():
+        return np.zeros((0, 3))
+    low, high = heights[on_wall].min(), heights[on_wall].max()
+    is_high = heights > 0.5 * (low + high)
+    camera = camera_of(body)
+    begin, end = camera.project(circle.center + np.outer((low, high), circle.axis))[0]
+    own = curve.drawn.mean(axis=0)
+    other = [
+        each.drawn.mean(axis=0)
+        for each in curves
+        if each.number == curve.number and each is not curve
+    ]
+    if other:
+        meant = bool((own - other[0]) @ (end - begin) > 0.0)
+    else:
+        meant = bool(np.linalg.norm(own - end) < np.linalg.norm(own - begin))
+    chosen = np.flatnonzero(on_wall & (is_high == meant))
+    angles = np.arctan2(flat[chosen, 1], flat[chosen, 0])
+    order = np.argsort(angles, kind="stable")
+    gaps = np.diff(angles[order], append=angles[order[:1]] + TURN)
+    order = np.roll(order, -1 - int(gaps.argmax()))
+    return np.asarray(solid.vertices[chosen[[*order, *([] if circle.is_arc else order[:1])]]])

@@ -99,8 +99,9 @@ def _without_taken(
         rubbed = _rubbed(body, before, path, takes)
         kept = [stroke for k, stroke in enumerate(body.strokes) if k not in rubbed]
         if not kept:
-            own = (*state.measures_of(body), *state.slants_of(body), *state.openings_of(body))
-            gone = [each.id for each in (*own, *state.changes_of(body))]
+            own = (*state.measures_of(body), *state.round_sizes_of(body), *state.slants_of(body))
+            own = (*own, *state.openings_of(body), *state.changes_of(body))
+            gone = [each.id for each in own]
             gone += [each.id for each in state.of_kind(Join) if each.other == body.id]
             gone += [each.id for each in hung_on(body.id, state)]
             state = state.without_nodes(body.id, *gone)
@@ -170,7 +171,7 @@ def _rubbed(body: Body, state: PolyhedronState, path: Stroke, takes: Takes) -> s
     for line in round_lines(body, found):
         seen = path.camera.project(line.points)[0] if len(line.points) > 1 else np.zeros((0, 2))
         if len(seen) and np.isfinite(seen).all() and takes(path.points, seen):
-            rubbed |= line.strokes
+            rubbed |= line.curve.strokes
     return rubbed
 
 

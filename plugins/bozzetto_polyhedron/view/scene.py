@@ -5,16 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
+from bozzetto.arrays import Array
 from bozzetto.scene import Hidden, Item, Layer, Lines, Scene
 from bozzetto_polyhedron.flat_pages import page_curves
 from bozzetto_polyhedron.model.changes import Mirror
 from bozzetto_polyhedron.model.followed import Followed
 from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.rounds.round_curves import number_at
+from bozzetto_polyhedron.rounds.straightened import straightened
 from bozzetto_polyhedron.solve.followed import Sources
 from bozzetto_polyhedron.solve.measured_edges import edge_at
 from bozzetto_polyhedron.solve.moving import NOTHING, Moving, is_mechanism, moving
 from bozzetto_polyhedron.solve.picking import solids_in
 from bozzetto_polyhedron.solve.pipeline import Solved, joined_bodies, solved
+from bozzetto_polyhedron.solve.round_lines import round_lines
 from bozzetto_polyhedron.solve.spots import is_linkage
 from bozzetto_polyhedron.view.drawing_layers import (
     finding_items,
@@ -29,6 +35,7 @@ from bozzetto_polyhedron.view.solid_layers import (
     added_items,
     measure_item,
     page_items,
+    round_size_item,
     solid_items,
     wire_items,
 )
@@ -159,5 +166,24 @@ def _add_solid(
             if edge is not None and found.base is not None:
                 ends = found.base.vertices[list(edge)]
                 layers["dimensions"].append(measure_item(measure, ends))
+        layers["dimensions"] += _round_size_items(body, found, state)
     if found.body is None or not found.body.closed:
         layers["findings"] += finding_items(body, found)
+
+
+def _round_size_items(body: Body, found: Solved, state: PolyhedronState) -> list[Item]:
+    """Return the typed sizes of what was drawn round in a body."""
+    reading = straightened(body.strokes, body.evidence).reading
+    sizes = state.round_sizes_of(body)
+    if reading is None or not sizes:
+        return []
+    points: dict[int, Array] = {}
+    for line in round_lines(body, found):
+        if len(line.points):
+            points.setdefault(line.curve.number, line.points)
+    numbers = [number_at(reading, np.array(size.place)) for size in sizes]
+    return [
+        round_size_item(size, points[number])
+        for size, number in zip(sizes, numbers, strict=True)
+        if number in points
+    ]

@@ -14,6 +14,7 @@ from bozzetto.geometry import Curve, Mesh
 from bozzetto.scene import Item, Label, Lines, Shaded
 from bozzetto_polyhedron.drawing_on.changed import Changed
 from bozzetto_polyhedron.drawing_on.cylinders import smooth_edges
+from bozzetto_polyhedron.model.round_sizes import RimSize, RoundSize
 from bozzetto_polyhedron.model.state import Body, Measure
 from bozzetto_polyhedron.solid.face_rings import edges_of
 from bozzetto_polyhedron.solid.hand_over import mesh_of
@@ -76,6 +77,15 @@ def measure_item(measure: Measure, ends: Array) -> Label:
     """Return a dimension beside the middle of its edge."""
     x, y, z = (float(value) for value in ends.mean(axis=0))
     return Label((x, y, z), f"{measure.length:.6g} mm", color="accent", size=13.0)
+
+
+def round_size_item(size: RoundSize, points: Array) -> Label:
+    """Return the diameter, and the depth where there is one, in the middle of a rim or an arc."""
+    x, y, z = (float(value) for value in points.mean(axis=0))
+    words = [f"diameter {size.diameter:.6g} mm"] if size.diameter else []
+    if isinstance(size, RimSize) and size.depth:
+        words.append(f"depth {size.depth:.6g} mm")
+    return Label((x, y, z), ", ".join(words) or "as drawn", color="accent", size=13.0)
 
 
 def page_items(curves: Sequence[Curve]) -> list[Item]:

@@ -96,7 +96,7 @@ def test_marks_tell_two_bosses_from_holes(heights: tuple[float, float], seed: in
     assert_first_is_right(seen, 0.003, seed)
 
 
-WRONG = "hexagonal shaft with square ends", 400
+WITH_SQUARE_ENDS = "hexagonal shaft with square ends", 400
 NOTCHED = "hexagonal shaft with keyway", 401
 
 CLOSE = [("octagonal ring", 404), ("t slot nut", 401)]
@@ -131,17 +131,12 @@ def test_strokes_become_the_exact_solid(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_lines_that_leave_faces_open_are_told_and_a_notch_leaves_none() -> None:
-    """Neither graph is 3-connected; the first is wrong, with three lines at every corner."""
-    strokes, places, edges = untidy(machine_part(*WRONG), WRONG[1])
-    live = searched(strokes)
-    assert not live.graph.health
-    assert not is_right_graph(live.graph, places, edges)
-    found = decided(live, CAMERA, lambda *_: None)
-    assert [each.what for each in found.graph.health] == ["open faces"]
-    middles = found.graph.places[found.graph.lines].mean(axis=1)
-    assert np.linalg.norm(middles - found.graph.health[0].place, axis=1).min() < 1.0
-    strokes, places, edges = untidy(machine_part(*NOTCHED), NOTCHED[1])
+@pytest.mark.parametrize(("name", "seed"), [WITH_SQUARE_ENDS, NOTCHED])
+def test_shafts_whose_lines_are_not_3_connected_are_right_and_nothing_is_told(
+    name: str, seed: int
+) -> None:
+    """Of the first one segments of two lines were taken for one, and faces were left open."""
+    strokes, places, edges = untidy(machine_part(name, seed), seed)
     right = decided(searched(strokes), CAMERA, lambda *_: None).graph
     assert is_right_graph(right, places, edges)
     assert right.health == ()

@@ -140,4 +140,4 @@ def test_round_ink_is_erased_once_turned(name, view):
     assert not solid(after).changed.circles
     left = {id(stroke) for stroke in after.of_kind(Body)[0].strokes}
     kept = [k for k, stroke in enumerate(body.strokes) if id(stroke) not in left]
-    assert set(kept) >= set(own.strokes)
+    assert set(kept) >= set(own.curve.strokes)

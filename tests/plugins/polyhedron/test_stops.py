@@ -7,11 +7,14 @@ from time import process_time
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag
+from bozzetto_polyhedron.mechanism import stops
 from bozzetto_polyhedron.mechanism.convex_parts import Polytope, polytope_of
+from bozzetto_polyhedron.mechanism.distance import distance_between
 from bozzetto_polyhedron.mechanism.rotations import rotations_by
 from bozzetto_polyhedron.mechanism.stops import free_turn
 from bozzetto_polyhedron.model.fittings import Hinge
@@ -195,14 +198,75 @@ def test_every_flap_stops_by_itself_in_any_order():
     assert reaches[0] == pytest.approx(reaches[1], abs=1e-3)
 
 
-def test_round_bodies_with_many_edges_are_not_asked():
-    """Each pair would take a twentieth of a second, hundreds of times."""
-    rng = np.random.default_rng(82_310)
-    points = rng.normal(size=(2, 300, 3))
-    points /= np.linalg.norm(points, axis=2, keepdims=True)
-    balls = [
-        polytope_of(0.4 * own + (way, 0.0, 0.0)) for own, way in zip(points, (1, -1), strict=True)
-    ]
+def ball(center, radius: float, seed: int = 0, count: int = 64) -> Polytope:
+    """Return a polytope of corners on a sphere, turned by chance."""
+    points = np.random.default_rng((82_310, seed)).normal(size=(count, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    made = polytope_of(radius * points + np.array(center, float))
+    assert made is not None
+    return made
+
+
+def rod(radius: float, length: float, count: int) -> Polytope:
+    """Return an upright prism of many sides about the middle of a place at x = 1."""
+    turn = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+    ring = np.column_stack((1.0 + radius * np.cos(turn), radius * np.sin(turn)))
+    ends = [np.column_stack((ring[:, 0], np.full(count, y), ring[:, 1])) for y in (0.0, length)]
+    made = polytope_of(np.concatenate(ends))
+    assert made is not None
+    return made
+
+
+def test_round_rods_stop_where_circles_touch():
+    """Prisms of 32 sides about parallel axes: 2 R sin(θ/2) = 2 r, r to a corner or to a side."""
+    one, other = rod(0.3, 1.0, 32), rod(0.3, 1.0, 32)
+    apart = moved(other, rotations_by(np.radians(90.0) * UP[None])[0])
+    low, high = np.degrees(free_turn((one,), (apart,), np.zeros(3), UP))
+    at_sides, at_corners = 2.0 * np.degrees(np.arcsin(0.3 * np.array((np.cos(np.pi / 32), 1.0))))
+    assert at_sides - 0.01 < 90.0 - high < at_corners + 0.01
+    assert at_sides - 0.01 < 270.0 + low < at_corners + 0.01
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_round_limbs_stop_where_separating_axes_say(seed, monkeypatch):
+    own, other = ball((0.7, 0.0, 0.0), 0.4, seed, 24), ball((-0.5, 0.1, 0.3), 0.35, seed + 9, 24)
     begun = process_time()
-    assert free_turn((balls[0],), (balls[1],), np.zeros(3), UP) is None
+    by_corners = free_turn((own,), (other,), np.zeros(3), UP)
+    assert process_time() - begun < 5.0
+    monkeypatch.setattr(stops, "MOST_AXES", 10**6)
+    again = ball((0.7, 0.0, 1e-8), 0.4, seed, 24)
+    by_axes = free_turn((again,), (other,), np.zeros(3), UP)
+    assert by_corners == pytest.approx(by_axes, abs=2e-4)
+
+
+def test_round_limbs_that_touch_at_rest_turn_apart_alone():
+    """One way is shut; the other one ends where they meet from the other side."""
+    one, across = rod(0.3, 1.0, 32), 2.0 * np.arcsin(0.3)
+    beside = moved(one, rotations_by(across * UP[None])[0])
+    shut, free = np.sort(np.abs(free_turn((one,), (beside,), np.zeros(3), UP)))
+    assert shut < np.radians(0.3)
+    assert free == pytest.approx(2.0 * np.pi - 2.0 * across, abs=np.radians(0.4))
+
+
+def test_limbs_of_too_many_round_parts_are_not_asked():
+    balls = tuple(ball((1.0, 0.1 * k, 0.0), 0.4, k) for k in range(3))
+    others = tuple(ball((-1.0, 0.1 * k, 0.0), 0.4, k) for k in range(3))
+    begun = process_time()
+    assert free_turn(balls, others, np.zeros(3), UP) is None
     assert process_time() - begun < 0.2
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_distances_of_hulls_are_those_of_a_least_squares_solver(seed):
+    """Shares of corners that are not negative and add up to one, by Lawson and Hanson's method."""
+    rng = np.random.default_rng((5, seed))
+    one = rng.normal(size=(int(rng.integers(4, 60)), 3))
+    other = rng.normal(size=(int(rng.integers(4, 60)), 3)) + rng.normal(size=3) * seed
+    weight = 1e4
+    sums = np.zeros((2, len(one) + len(other)))
+    sums[0, : len(one)], sums[1, len(one) :] = weight, weight
+    rows = np.vstack((np.hstack((one.T, -other.T)), sums))
+    shares, _ = nnls(rows, np.array([0.0, 0.0, 0.0, weight, weight]), maxiter=5000)
+    a, b = shares[: len(one)], shares[len(one) :]
+    wanted = float(np.linalg.norm(a @ one / a.sum() - b @ other / b.sum()))
+    assert distance_between(one, other) == pytest.approx(wanted, abs=1e-6)
