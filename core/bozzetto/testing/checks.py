@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
@@ -133,7 +134,8 @@ def check_storage(subject: Subject) -> None:
         for field in parameter_fields(type(shell.state)):
             others = [value for value in _allowed(field) if value != field.default]
             if others:
-                shell.set(**{field.name: others[0]})
+                with suppress(UserError):  # what may be refused is for `check_parameters`
+                    shell.set(**{field.name: others[0]})
         _check_reopened(shell)
 
 

@@ -50,12 +50,12 @@ def on_both_sides(
     seen, solid = cache(mesh), cache(exact)
     right, left = f"{name} right", f"{name} left"
     return (
-        CarPart(right, look, seen, lambda: looking(solid(), right, look)),
+        CarPart(right, look, seen, cache(lambda: looking(solid(), right, look))),
         CarPart(
             left,
             look,
             lambda: seen().placed(MIRRORED),
-            lambda: looking(solid().placed(MIRRORED), left, look),
+            cache(lambda: looking(solid().placed(MIRRORED), left, look)),
         ),
     )
 

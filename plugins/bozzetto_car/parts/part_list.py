@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Final
@@ -31,19 +31,31 @@ DIVISIONS: Final = 12
 REMEMBERED: Final = 16
 """Number of bodies whose meshes are remembered."""
 
+EXACT: Final = 2
+"""Number of bodies whose exact parts are: triangles for files are kept with them, and take longer
+than the parts."""
 
-def wheel_parts(state: CarState, body: Body) -> list[CarPart]:
+
+@remembered(
+    limit=EXACT,
+    key=lambda state, body: (body, state.wheels, state.tyre, state.complete and state.body),
+)
+def wheel_parts(state: CarState, body: Body) -> Sequence[CarPart]:
     """Return the wheels; none where they are hidden. Those of a complete car stand in arches."""
     if not state.wheels:
-        return []
+        return ()
     network = on_tyres(body.network, state.tyre)
     return wheels_of(network, body.nets, state.tyre, sunk=state.complete and state.body)
 
 
-def added_parts(state: CarState, body: Body) -> list[CarPart]:
+@remembered(
+    limit=EXACT,
+    key=lambda state, body: (body, state.mirrors, state.tyre, state.complete and state.body),
+)
+def added_parts(state: CarState, body: Body) -> Sequence[CarPart]:
     """Return what a complete car has besides its body and its wheels."""
     if not (state.complete and state.body):
-        return []
+        return ()
     network = on_tyres(body.network, state.tyre)
     trim = trim_of(network, body.nets, with_mirrors=state.mirrors)
     return [*inserts(network, body.nets), *trim]
@@ -66,6 +78,7 @@ def panel_looks(state: CarState, body: Body) -> tuple[Look, ...]:
     return tuple(GLASS if p.glass and not painted else PAINT for p in body.template.patches)
 
 
+@remembered(limit=EXACT, key=lambda state, body: (body, state.complete, state.tyre))
 def exact_body(state: CarState, body: Body) -> Brep | Patchwork:
     """Return the body as it is handed over: closed if the car is complete, else its surfaces.
 

@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 
 FACES = {"sedan": 28, "hatchback": 30, "minivan": 30}
 
+SURFACES = ("--set", "wheels=false")
+"""What is looked at here are the surfaces; wheels are seen, and so would be in the file."""
+
 
 def built(
     folder: Path, file: dict[str, Any], ending: str = "step", more: Sequence[str] = ()
@@ -77,7 +80,7 @@ def test_a_report_agrees_with_itself_and_with_the_marks(tmp_path: Path, name: st
 
 @pytest.mark.parametrize("name", FACES)
 def test_a_step_file_holds_the_patches_of_the_report(tmp_path: Path, name: str) -> None:
-    told = built(tmp_path, car(name, 2).marks_file())
+    told = built(tmp_path, car(name, 2).marks_file(), more=SURFACES)
     ((title, ((kind, faces),)),) = Shells((tmp_path / "car.step").read_bytes()).models
     assert (kind, len(faces), title) == ("OPEN_SHELL", FACES[name], bundled(name).title)
     assert len(told["crease_deg"]) == len(bundled(name).edges) - 12
@@ -85,7 +88,7 @@ def test_a_step_file_holds_the_patches_of_the_report(tmp_path: Path, name: str) 
 
 def test_typed_dimensions_are_those_of_the_handed_over_surface(tmp_path: Path) -> None:
     wanted = {"LN": 4520.0, "WD": 1810.5, "HG": 1390.0, "FO": 861.25, "WB": 2655.0}
-    told = built(tmp_path, car("sedan", 3).marks_file() | {"dimensions": wanted})
+    told = built(tmp_path, car("sedan", 3).marks_file() | {"dimensions": wanted}, more=SURFACES)
     for name, value in wanted.items():
         assert told["dimensions"][name] == pytest.approx(value, abs=1e-6)
     places = np.array([place for face in step_points(tmp_path / "car.step") for place in face])
@@ -159,8 +162,7 @@ def test_opencascade_reads_a_built_car_without_a_message(
     one = car(name, 7)
     places = one.places()[[one.template.node[n] for n in ("B3.R", "S3.R", "R2.R")]] + (40.0, 0.0)
     seam = {"view": 0, "name": "Seam, over a crease", "points": places.tolist()}
-    alone = ("--set", "wheels=false")
-    told = built(tmp_path, one.marks_file() | {"styling": [seam]}, ending, alone)
+    told = built(tmp_path, one.marks_file() | {"styling": [seam]}, ending, SURFACES)
     said, answer = ask(OPENCASCADE, tmp_path / f"car.{ending}")
     assert messages(said) == []
     assert answer["valid"]
