@@ -1,7 +1,8 @@
 """How good meshes of quads are: ``python -m tests.core.exchange.figures_quads SET``.
 
 The set is ``outlines``, every fifth one of `tests.fidelity` and all with limbs, 2,000 and 5,000
-quads each, or ``gallery``, 5,000 each; at 64 cells. Closedness, genus, angles and directions are
+quads each, ``rough``, the same outlines with noise as scans have it, 500 each, or ``gallery``,
+5,000 each; at 64 cells. Closedness, genus, angles and directions are
 measured by means that share no code with what lays the quads.
 """
 
@@ -11,6 +12,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -19,6 +21,7 @@ import numpy as np
 from bozzetto.cli.output import workbench
 from bozzetto.exchange.import_file import read_drawing
 from bozzetto.exchange.quad_budget import within_quads
+from bozzetto.geometry.mesh import Mesh
 from bozzetto.geometry.mesh_places import closest_on_mesh
 from bozzetto.geometry.meshed_shapes import meshed
 from bozzetto.geometry.shapes import Shapes, Solid, Surface
@@ -34,6 +37,12 @@ ANIMALS: Final = (
 
 SURE: Final = 0.9
 """Weight of a vertex for its bone from which it counts as part of the limb."""
+
+NOISE: Final = (0.1, 0.2, 0.3)
+"""Standard deviation of the noise of rough drawings, in mean lengths of edges."""
+
+SEED: Final = 20261130
+"""Of that noise."""
 
 LONG: Final = 2.0
 """A limb is so many times as long as it is thick from its axis, at least."""
@@ -185,6 +194,18 @@ def row(name: str, found: Sequence[Found]) -> str:
     )
 
 
+def rough(shapes: Shapes, noise: float) -> Shapes:
+    """Return the solids of shapes with vertices moved at random, in mean lengths of edges."""
+    made = []
+    for part in shapes.solids:
+        places = part.mesh.vertices[part.mesh.faces].astype(float)
+        length = np.linalg.norm(places - np.roll(places, 1, axis=1), axis=2).mean()
+        moves = np.random.default_rng(SEED).normal(0.0, noise * length, part.mesh.vertices.shape)
+        vertices = (part.mesh.vertices + moves).astype(np.float32)
+        made.append(Solid(Mesh(vertices, part.mesh.faces), part.name))
+    return Shapes(tuple(made))
+
+
 def main(chosen: str) -> None:
     """Print the table of a set."""
     print(
@@ -198,6 +219,7 @@ def main(chosen: str) -> None:
     rows: dict[str, list[Found]] = {}
     sets: dict[str, tuple[Iterable[tuple[str, Path]], tuple[int, ...]]] = {
         "outlines": (some_outlines(), (2000, 5000)),
+        "rough": (some_outlines(), (500,)),
         "gallery": (gallery(), (5000,)),
     }
     drawings, counts = sets[chosen]
@@ -208,9 +230,9 @@ def main(chosen: str) -> None:
             {"resolution": 64},
         )
         shapes = meshed(bench.shapes((model,), Job()))
-        for count in counts:
-            found = measured(shapes, count)
-            name = f"{chosen}, {count:,} quads"
+        for count, noise in product(counts, NOISE if chosen == "rough" else (0.0,)):
+            found = measured(rough(shapes, noise) if noise else shapes, count)
+            name = f"{chosen}, {count:,} quads" + (f", noise {100 * noise:.0f} %" if noise else "")
             rows.setdefault(name, []).append(found)
             if path.stem in ANIMALS and chosen == "outlines":
                 rows.setdefault(f"{name}, with limbs", []).append(found)

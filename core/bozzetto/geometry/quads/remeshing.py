@@ -26,6 +26,7 @@ from bozzetto.geometry.quads.extraction import (
 from bozzetto.geometry.quads.mirrors import ON_PLANE, Plane, half, mirror_planes, with_image
 from bozzetto.geometry.quads.orientation_field import frames_of, orientations
 from bozzetto.geometry.quads.position_field import lattice
+from bozzetto.geometry.quads.roughness import calmed, denoised
 from bozzetto.geometry.quads.surface import (
     Edges,
     Features,
@@ -164,15 +165,16 @@ def quad_dominant(
     points, faces = points[used], corners.reshape(-1, 3)
     whole = _topology(edges_of(faces), faces)
     if len(faces):
-        planes = mirror_planes(points, faces)
+        many = max(count, FEWEST)
+        side = float(np.sqrt(_area(points, faces) / many))
+        calm = calmed(points, faces, many, side, checkpoint)
+        planes = mirror_planes(calm, faces)
         for some in (planes, []) if planes else ([],):
-            made = _laid(points, faces, kind, max(count, FEWEST), some, [], checkpoint)
+            made = _laid(calm, faces, kind, many, some, [], checkpoint)
             if made is not None and _topology_of(made) == whole:
-                deviation = _deviation(points, *made)
                 diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-                side = np.sqrt(_area(points, faces) / max(count, FEWEST))
-                if deviation <= max(MOST_DEVIATION * diagonal, COARSE * side):
-                    return QuadMesh(*made, deviation, remeshed=True)
+                if _deviation(calm, *made) <= max(MOST_DEVIATION * diagonal, COARSE * side):
+                    return QuadMesh(*made, _deviation(points, *made), remeshed=True)
     return _pairs_of(points, faces, kind, count, checkpoint)
 
 
@@ -232,8 +234,10 @@ def _laid(
     local = (points - middle) / size
     surface = Mesh(local.astype(np.float32), faces.astype(np.int32))
     if len(faces) > DENSE * count:
-        fewer = decimated(surface, THINNED * count, kind, checkpoint)
-        dense = local[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
+        even = denoised(local, faces, checkpoint)
+        thick = Mesh(even.astype(np.float32), surface.faces)
+        fewer = decimated(thick, THINNED * count, kind, checkpoint)
+        dense = even[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
     else:
         dense = local, faces, kind
     mirrors = [

@@ -199,12 +199,9 @@ def features_of(
         slivers have normals of any direction. Bends of borders of groups that lie nearer to one
         another are a zigzag.
     """
-    normal = _filtered(across(points, faces), edges)
     one, other = edges.faces.T
-    bend = np.einsum("ij,ij->i", normal[one], normal[other])
-    flat = (normal[one] == 0).all(axis=1) | (normal[other] == 0).all(axis=1)
     border = (other < 0) | edges.crowded
-    firm = border | ((bend < SHARP) & ~flat)
+    firm = border | creases_of(points, faces, edges)
     firm[firm] = border[firm] | _long(points, edges.ends[firm], least)
     kept = firm | (kind[one] != kind[other])
     ends = edges.ends[kept]
@@ -218,7 +215,16 @@ def features_of(
     return Features(ends, many > 0, corner, units(along), even)
 
 
-def _filtered(large: Array, edges: Edges) -> Array:
+def creases_of(points: Array, faces: Index, edges: Edges) -> Flags:
+    """Return which edges between two triangles are sharp, but for what is rough, (e,)."""
+    normal = filtered_normals(across(points, faces), edges)
+    one, other = edges.faces.T
+    bend = np.einsum("ij,ij->i", normal[one], normal[other])
+    flat = (normal[one] == 0).all(axis=1) | (normal[other] == 0).all(axis=1)
+    return np.asarray((bend < SHARP) & ~flat & (other >= 0) & ~edges.crowded)
+
+
+def filtered_normals(large: Array, edges: Edges) -> Array:
     """Return unit normals (f, 3) of triangles without what is rough.
 
     Each is averaged with its neighbours by their area, and the less the more they differ, as in

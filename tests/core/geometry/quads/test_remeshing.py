@@ -286,7 +286,7 @@ def test_it_can_be_stopped_on_the_way():
         nonlocal times
         times += 1
 
-    whole = quad_dominant(mesh, 50, checkpoint=count)
+    whole = quad_dominant(mesh, 60, checkpoint=count)
     assert whole.remeshed
     assert times > 10, "also while it is thinned out"
     for last in range(0, times, 9):
@@ -297,7 +297,7 @@ def test_it_can_be_stopped_on_the_way():
                 raise KeyboardInterrupt
 
         with pytest.raises(KeyboardInterrupt):
-            quad_dominant(mesh, 50, checkpoint=stop)
+            quad_dominant(mesh, 60, checkpoint=stop)
 
 
 def test_an_open_surface_keeps_its_border():
