@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 
+import numpy as np
 import pytest
 
 from bozzetto.document.recovery.recovery import RecoveryStore
@@ -128,3 +129,36 @@ def test_a_drawing_that_cannot_be_set_aside_is_not_said_to_be_kept(
     draw()
     assert [notice for notice in session.heard if "is kept" in notice.text]
     assert after_a_crash(session, keeper, folder, tmp_path) == [1, 3]
+
+
+def test_paint_that_no_disk_held_comes_back_when_there_is_room(
+    make_session, settle, folder, disk, tmp_path
+):
+    session = make_session("bozzetto.silhouette")
+    keeper = Keeper(session, folder)
+    camera = session.view.camera
+
+    def drag(points, tool):
+        session.toolbox.take_tool(tool)
+        session.gestures.stroke_lifted(stroke_of(points, camera))
+        settle(session, keeper)
+
+    drag(circle(), "draw")
+    middle = circle().mean(axis=0)
+    across = np.linspace((-40.0, 0.0), (40.0, 0.0), 30)
+    disk.problem = errno.ENOSPC
+    for height in (-15.0, 0.0, 15.0):
+        drag(middle + across + (0.0, height), "brush")
+    assert len(errors(session)) == 1
+    (model,) = session.drawing.document
+    painted = model.state
+    disk.problem = 0
+    drag(middle + across + (0.0, 5.0), "brush")
+    session.drawing.undo()
+    settle(session, keeper)
+    keeper.close()
+    keeper.wait()
+    store = RecoveryStore(folder)
+    (crashed,) = store.crashed_sessions()
+    (again,) = store.recover(crashed, session.registry).document
+    assert again.state == painted
