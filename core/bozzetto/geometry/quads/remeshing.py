@@ -58,6 +58,9 @@ DENSE: Final = 40
 THINNED: Final = 16
 """To so many triangles for a quad."""
 
+SMALL: Final = 8
+"""With more triangles for a quad than this what is rough about them is no shape."""
+
 USUAL_SIDE: Final = 1.02
 """Of squares of which there are as many as are wanted: some are triangles."""
 
@@ -233,13 +236,14 @@ def _laid(
     size = float(np.sqrt(area))
     local = (points - middle) / size
     surface = Mesh(local.astype(np.float32), faces.astype(np.int32))
-    if len(faces) > DENSE * count:
+    dense = local, faces, kind
+    if len(faces) > SMALL * count:
         even = denoised(local, faces, checkpoint)
-        thick = Mesh(even.astype(np.float32), surface.faces)
-        fewer = decimated(thick, THINNED * count, kind, checkpoint)
-        dense = even[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
-    else:
-        dense = local, faces, kind
+        dense = even, faces, kind
+        if len(faces) > DENSE * count:
+            smooth = Mesh(even.astype(np.float32), surface.faces)
+            fewer = decimated(smooth, THINNED * count, kind, checkpoint)
+            dense = even[fewer.vertices], fewer.faces.astype(np.intp), fewer.groups
     mirrors = [
         Plane(plane.normal, (plane.offset - float(middle @ plane.normal)) / size) for plane in done
     ]
