@@ -449,7 +449,7 @@ def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> At
 class _Part:
     """Equations for the depths of a part: its lines and its planar faces.
 
-    It is free where some of its lines run clearly as none of the body do: nothing tells their slope.
+    It is free where some of its lines run clearly as none of the body: nothing tells their slope.
     """
 
     corners: tuple[int, ...]
