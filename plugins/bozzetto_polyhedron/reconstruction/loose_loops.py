@@ -15,13 +15,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array, Flags, Index
 from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.affine_depth import face_rows
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.lifting import Lifting
-from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses
+from bozzetto_polyhedron.reconstruction.parallel_classes import HAND, ParallelClasses
 from bozzetto_polyhedron.reconstruction.planar_faces import inside
 from bozzetto_polyhedron.reconstruction.regularity import area_vector
 from bozzetto_polyhedron.reconstruction.visibility import agreement, is_marked
@@ -53,6 +53,11 @@ which twenty times the noise is usual (log 20). So it costs however thick the fl
 
 WORST: Final = 12.0
 """What a gap costs at most, nats."""
+
+
+CLEARLY: Final = 4.5
+"""Standard deviations by which a part's lines run otherwise than all of a body at least, for their
+slope to be free: classes are parted from 1.6 on."""
 
 
 class Seat(NamedTuple):
@@ -306,7 +311,11 @@ def _ways(
         costs = [_gap_cost(gap) for gap in gaps]
         if is_beside and len(seats) == 1:
             costs[0] = BESIDE
-        for chosen, cost in _with_and_without(seats, gaps, costs):
+        ways = _with_and_without(seats, gaps, costs)
+        if system.is_free and len(seats) == 1:
+            opposite = _opposite(system, planes, levels, option, tolerance)
+            ways += [([option, other], 0.0) for other in opposite]
+        for chosen, cost in ways:
             key = frozenset(chosen)
             if key in seen:
                 continue
@@ -315,6 +324,28 @@ def _ways(
             way = (misfit / tolerance, cost)
             found.append(_joined(drawing, body, part, chosen, depths, way))
     return found or [_loose(body, known, part, system.solved([])[0])]
+
+
+def _opposite(
+    system: _Part,
+    planes: Sequence[tuple[Array, Array]],
+    levels: Mapping[Seat, tuple[Array, Ring]],
+    seat: Seat,
+    tolerance: float,
+) -> list[Seat]:
+    """Return the other seats that a part in one may have as well, where it leaves its slope free.
+
+    A hole through a frustum runs along no line of it: how steep it is, the faces tell that both of
+    its rings lie in.
+    """
+    return [
+        other
+        for other in levels
+        if other.face != seat.face
+        and other.ring != seat.ring
+        and system.solved([levels[seat], levels[other]])[1]
+        <= tolerance / abs(float(planes[other.face][1][2]))
+    ]
 
 
 def _gap(drawing: Drawing, off: float, normal: Array) -> float:
@@ -416,11 +447,15 @@ def _loose(body: Attached, known: list[int], part: Lifting, depths: Array) -> At
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Equations for the depths of a part: its lines and its planar faces."""
+    """Equations for the depths of a part: its lines and its planar faces.
+
+    It is free where some of its lines run clearly as none of the body: nothing tells their slope.
+    """
 
     corners: tuple[int, ...]
     rows: Array
     values: Array
+    is_free: bool
 
     @classmethod
     def of(
@@ -450,7 +485,8 @@ class _Part:
                 block -= np.outer(axis, axis @ block)
                 values.append(np.zeros(len(chosen)))
             rows.append(block)
-        return cls(part.corners, np.vstack(rows), np.concatenate(values))
+        is_free = _is_clearly_apart(drawing, classes, inner, np.isfinite(slopes))
+        return cls(part.corners, np.vstack(rows), np.concatenate(values), is_free)
 
     def places(self, corners: Sequence[int]) -> Index:
         """Return where corners stand among those of the part."""
@@ -479,6 +515,33 @@ def _slopes(drawing: Drawing, classes: ParallelClasses, depths: Array, known: li
     below = np.bincount(labels, along**2, count)
     above = np.bincount(labels, along * rise, count)
     return np.where(below > 0.0, above / np.where(below > 0.0, below, 1.0), np.nan)
+
+
+def _is_clearly_apart(
+    drawing: Drawing, classes: ParallelClasses, lines: Flags, known: Flags
+) -> bool:
+    """Whether some lines run as none of a body, however unsteady the hand.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        In units of its own size.
+    classes : ParallelClasses
+        Of all its lines.
+    lines : (m,) bool
+        Those that are asked.
+    known : (c,) bool
+        Classes that the body has.
+    """
+    own = np.setdiff1d(classes.labels[lines], np.flatnonzero(known))
+    if not len(own) or not known.any():
+        return bool(len(own))
+    squares = np.bincount(classes.labels, drawing.lengths**2, len(known))
+    spread = np.hypot(HAND, drawing.noise / np.sqrt(np.maximum(squares, 1e-12)))
+    angles = np.arctan2(classes.directions[:, 1], classes.directions[:, 0])
+    apart = angles[own, None] - angles[known]
+    apart = np.abs((apart + np.pi / 2.0) % np.pi - np.pi / 2.0)
+    return bool((apart > CLEARLY * np.hypot(spread[own, None], spread[known])).all(axis=1).any())
 
 
 def _plane(drawing: Drawing, body: Attached, face: int) -> tuple[Array, Array]:

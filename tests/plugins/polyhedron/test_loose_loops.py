@@ -8,6 +8,8 @@ import pytest
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
 from bozzetto_polyhedron.reconstruction.visibility import hidden_shares
+from tests.plugins.polyhedron.cad_parts import regular
+from tests.plugins.polyhedron.machine_parts import tapered
 from tests.plugins.polyhedron.objects import (
     CAMERA,
     OBJECTS,
@@ -55,6 +57,32 @@ def test_light_lines_tell_what_a_loop_is(kind: str, noise: float) -> None:
     sets = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
     assert sets == shown.solid.face_sets()
     assert first.closed
+
+
+def pierced_frustum(seed: int, through: bool) -> Polyhedron:
+    """Return a frustum with a square hole or pocket along its axis, which no line of it runs."""
+    rng = np.random.default_rng((34, seed))
+    width, depth, height = rng.uniform((1.6, 1.4, 1.4), (2.2, 2.0, 2.2))
+    share, half = rng.uniform(0.55, 0.75), rng.uniform(0.2, 0.25)
+    outline = regular(4, 1.0) * (width, depth)
+    low = -1.0 if through else 0.5 * height
+    made = tapered(outline, height, share) - box((2.0 * half, 2.0 * half, 9.0), (-half, -half, low))
+    found = polyhedron_of(made, "pierced frustum", 0.04)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("through", [True, False])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_what_is_sunk_into_a_frustum_along_its_axis_is_found(seed: int, through: bool) -> None:
+    """How steep such a hole is, both faces tell that it ends in; it was a pocket before."""
+    shown = view(pierced_frustum(seed, through), seed)
+    assert shown is not None
+    graph, _ = graph_of(shown, 0.005, seed, marks=0.0)
+    first = answers_of(graph, CAMERA)[0]
+    sets = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
+    assert sets == shown.solid.face_sets()
+    assert is_right(shown, in_eye_frame(first.vertices, CAMERA), 0.005, mirrored=False)
 
 
 def test_without_marks_pocket_and_boss_are_both_offered() -> None:
