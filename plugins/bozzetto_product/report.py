@@ -428,8 +428,9 @@ def _sentences(result: ProductResult) -> Iterator[str]:
         row = [names[edge] for edge in result.open_edges]
         shown = ", ".join(row[:6]) + (" …" if len(row) > 6 else "")
         if row:
+            count = "1 edge is" if len(row) == 1 else f"{len(row)} edges are"
             yield (
-                f"The surfaces do not close: {len(row)} edges are open ({shown}). Draw what is "
+                f"The surfaces do not close: {count} open ({shown}). Draw what is "
                 "missing, or touch the open areas with the tool “Loop”."
             )
         elif result.one_sided:

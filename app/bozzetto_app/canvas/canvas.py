@@ -33,6 +33,7 @@ from bozzetto_app.canvas.input.drag_and_drop import carries_something, take
 from bozzetto_app.canvas.input.state_machine import Mode
 from bozzetto_app.canvas.input.stroke_samples import PressureCurve
 from bozzetto_app.canvas.input.tablet_events import ProximityWatch
+from bozzetto_app.canvas.input.waiting_touch import WaitingTouch
 from bozzetto_app.canvas.overlay.advice_light import ViewLight
 from bozzetto_app.canvas.overlay.empty_hint import SheetHint
 from bozzetto_app.canvas.overlay.pace_badge import PaceBadge
@@ -46,7 +47,6 @@ from bozzetto_app.settings import settings
 from bozzetto_app.workers.channel import Channel, Request
 
 if TYPE_CHECKING:
-    from bozzetto.plugin.gesture import Tap
     from bozzetto.plugin.job import Job
     from bozzetto.scene.palette import Palette
     from bozzetto.view.camera import Camera
@@ -126,8 +126,6 @@ class Canvas(QWidget):
         self._colors = palette
         self._tilted = False
         self._pictured = ""
-        self._touched: tuple[Tap, bool] | None = None
-        self._passed_over = False
 
         self.viewports = Viewports(session, self, palette)
         self._sorting = Channel("sort-for-picking", parent=self)
@@ -141,6 +139,7 @@ class Canvas(QWidget):
         self._loupe: Loupe | None = None
         self._menu: RadialMenu | None = None
         self.hand = Hand(session, self.overlay)
+        self._touch = WaitingTouch(session, self)
         self.motion = ViewMotion(session, self)
         self.views = ViewChanges(session, self.motion)
         self._sorted = EMPTY
@@ -152,6 +151,23 @@ class Canvas(QWidget):
 
         self._held = QTimer(self, singleShot=True)
         self._held.timeout.connect(self._show_held)
+        self._listen_to_session()
+        self._listen_to_hand()
+        self._listen_to_view_tools()
+
+        self._mode_changed()
+        self.read_settings()
+        self.set_palette(palette)
+        self.viewports.show_all()
+        self._show_camera()
+        self._name_sides()
+        self._show_scene()
+        self._show_pending()
+        self.installEventFilter(self)
+
+    def _listen_to_session(self) -> None:
+        """Show what changes in the session."""
+        session = self._session
         session.scene.changed.connect(self._show_scene)
         session.scene.live_changed.connect(self._show_live)
         session.view.camera_changed.connect(self._show_camera)
@@ -165,20 +181,26 @@ class Canvas(QWidget):
         session.advice.changed.connect(self._show_advice)
         session.hints.changed.connect(self._show_next_step)
         session.pictures.taken.connect(self._got_picture)
+
+    def _listen_to_hand(self) -> None:
+        """Show what the hand does, and answer its touches."""
+        session = self._session
         self.hand.pressed.connect(self.motion.finish)
         self.hand.ink_began.connect(self._fade_hint)
         self.hand.ink_began.connect(session.pictures.placing.leave)
         self.hand.aimed.connect(self._aim)
         self.hand.aim_ended.connect(self._put_loupe_away)
         self.hand.mode_changed.connect(self._mode_changed)
-        self.hand.touched.connect(self._touch)
-        self.hand.pressed.connect(self._forget_touch)
-        for channel in (session.gestures.edits, session.hints.channel):
-            channel.busy_changed.connect(self._answer_touch)
+        self.hand.touched.connect(self._touch.take)
+        self.hand.pressed.connect(self._touch.forget)
         self.hand.came_to_nothing.connect(session.gestures.explain)
         self.hand.menu_pressed.connect(self.open_menu)
         self.hand.menu_moved.connect(lambda place: self.menu.point(place))
         self.hand.menu_released.connect(lambda flicked: self.menu.lift(flicked=flicked))
+
+    def _listen_to_view_tools(self) -> None:
+        """Follow what lies over the sheet: the cube, the light, and the pace of what moves."""
+        session = self._session
         self.cube.direction_chosen.connect(self.views.look_from)
         self.cube.turned.connect(self.views.turn)
         for signal in (
@@ -191,16 +213,6 @@ class Canvas(QWidget):
         self.cube.projection_chosen.connect(self.views.toggle_projection)
         self.light.turn_chosen.connect(self.views.turn_to_better)
         session.gestures.motion.pace_changed.connect(self.pace_badge.show_pace)
-
-        self._mode_changed()
-        self.read_settings()
-        self.set_palette(palette)
-        self.viewports.show_all()
-        self._show_camera()
-        self._name_sides()
-        self._show_scene()
-        self._show_pending()
-        self.installEventFilter(self)
 
     def _watch_proximity(self) -> None:
         """Look out for the pen from the first paint on: till then thousands of events pass."""
@@ -439,33 +451,6 @@ class Canvas(QWidget):
             return False
         session.view.set_camera(advice.better.with_viewport(*session.view.camera.viewport))
         return True
-
-    def _touch(self, tap: Tap, again: bool) -> None:
-        """Give a touch to the drawing tool in the hand, or to the tool whose touch is next.
-
-        What is next after the last stroke may not be known yet: the touch waits for it, unless
-        the hand goes on.
-        """
-        self._touched = tap, again and not self._passed_over
-        self._session.toolbox.hold(False)  # it was no stroke, and the next tool may be taken
-        self._answer_touch()
-
-    def _forget_touch(self) -> None:
-        self._passed_over, self._touched = self._touched is not None, None
-
-    def _answer_touch(self) -> None:
-        session = self._session
-        if self._touched is None or session.gestures.edits.busy or session.hints.channel.busy:
-            return
-        (tap, again), self._touched = self._touched, None
-        active, wanted = session.toolbox.active, session.hints.step.tool
-        if active is not None and active.touches:
-            session.gestures.tap(tap, again=again)
-        elif any(tool.id == wanted and tool.gesture == "tap" for tool in session.toolbox.tools):
-            session.toolbox.take_tool(wanted)
-            session.gestures.tap(tap, again=again)
-        else:
-            session.gestures.explain("stroke")
 
     def _got_picture(self, model_id: str) -> None:
         """Go to the view of a sketch that came in, once the modeler says which it is."""

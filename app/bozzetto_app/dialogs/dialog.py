@@ -86,12 +86,21 @@ class Page(QDialog):
 
     def showEvent(self, event: QShowEvent) -> None:
         free = self.screen().availableGeometry().size() - QSize(*FRAME)
-        outer = self.layout()
-        if outer is not None and outer.totalMinimumSize().height() > free.height():
+        if self._least_size.height() > free.height():
             self._scroll()
-            self.resize(self.size().expandedTo(outer.totalMinimumSize()))
-        self.resize(self.size().boundedTo(free))
+        # Qt gives a dialog two thirds of the screen at most, and takes words for unwrapped then.
+        self.resize(self.size().expandedTo(self._least_size).boundedTo(free))
         super().showEvent(event)
+
+    @property
+    def _least_size(self) -> QSize:
+        """The size in which nothing is cut, with words wrapped as they are at this width."""
+        outer = self.layout()
+        if outer is None:
+            return QSize()
+        least = outer.totalMinimumSize()
+        wrapped = outer.totalMinimumHeightForWidth(max(self.width(), least.width()))
+        return least.expandedTo(QSize(0, wrapped))
 
     @property
     def is_scrolled(self) -> bool:

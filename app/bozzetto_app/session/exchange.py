@@ -27,9 +27,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from bozzetto.document.model import Document, Model
-    from bozzetto.exchange.export import Exported, Ready
+    from bozzetto.exchange.export import Exported
     from bozzetto.exchange.handover import Handover
     from bozzetto.exchange.reading import MeshFile
+    from bozzetto.exchange.ready_shapes import Ready
     from bozzetto.plugin.job import Job
     from bozzetto.scene.palette import Palette
     from bozzetto.view.camera import Camera
@@ -273,8 +274,8 @@ class Exchange(QObject):
         ]
 
         def work(job: Job, paths: Sequence[Path]) -> Any:
-            from bozzetto.exchange.export import Ready
             from bozzetto.exchange.handover import AS_USUAL
+            from bozzetto.exchange.ready_shapes import Ready
             from bozzetto.workbench.export_document import object_shapes, prepared_files
             from bozzetto.workbench.films import with_recording
 

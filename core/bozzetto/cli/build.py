@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,7 +30,10 @@ from bozzetto.cli.output import (
 from bozzetto.errors import UserError
 
 if TYPE_CHECKING:
-    from bozzetto.document.model import Document, Model
+    from bozzetto.document.model import Document, Model, Underlay
+    from bozzetto.exchange.reading import MeshFile
+    from bozzetto.images.stored_picture import Picture
+    from bozzetto.ink.drawing import Drawing
     from bozzetto.workbench.workbench import Workbench
 
 MAX_PLACES = 3
@@ -89,8 +93,27 @@ def _check_ending(bench: Any, modeler_id: str, target: Path) -> None:
         ) from None
 
 
+@dataclass(frozen=True)
+class _Source:
+    """What an input holds: a picture, a mesh or a drawing, one of them.
+
+    Attributes
+    ----------
+    picture : Picture, optional
+    mesh : MeshFile, optional
+    drawing : Drawing, optional
+    underlays : tuple of Underlay
+        Those of a document.
+    """
+
+    picture: Picture | None = None
+    mesh: MeshFile | None = None
+    drawing: Drawing | None = None
+    underlays: tuple[Underlay, ...] = ()
+
+
 def _build_one(
-    bench: Any,
+    bench: Workbench,
     modeler_id: str,
     source: Path,
     targets: Sequence[Path],
@@ -98,7 +121,41 @@ def _build_one(
     options: argparse.Namespace,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Build one input, solved once; its report where one is wanted, and what was written of it."""
-    from bozzetto.document import edit
+    from bozzetto.plugin.job import Job
+    from bozzetto.workbench.export_document import links_of
+
+    there, on = _drawn_on(bench, options.on)
+    read = _read(bench, modeler_id, source, values, trusted=options.trust_file)
+    drawing = read.drawing
+    warn(() if drawing is None else drawing.left_out)
+    report: dict[str, Any] = {}
+    try:
+        if on and drawing is None:
+            raise UserError("--on takes ink to draw on an object. Give a drawing.")
+        model = _model_of(bench, modeler_id, read, source.stem, values, there, on)
+        warn(bench.parts.idle(model, values))
+        if options.report:
+            report = bench.report(model, Job()) | links_of(model)
+        if options.command_id:
+            write_by_command(bench, model, options.command_id, targets[0])
+            _warn_of_shape(bench, model)
+            return report, {}
+        camera = None if drawing is None else drawing.camera
+        underlays = (*there.underlays, *read.underlays)
+        document = replace(there, camera=camera, underlays=underlays)
+        written = _write(bench, document, model, targets, report, options)
+    except UserError as problem:
+        raise UserError(problem.message + _places(problem, drawing)) from problem
+    told = [one for one in written if one is not None]
+    if not told:
+        return report, {}
+    return report, {"written": told[0] if len(targets) == 1 else told}
+
+
+def _read(
+    bench: Workbench, modeler_id: str, path: Path, values: dict[str, object], *, trusted: bool
+) -> _Source:
+    """Read an input, whatever it is; a mesh that the modeler takes as ink becomes a drawing."""
     from bozzetto.exchange.formats import find, readers
     from bozzetto.exchange.import_file import (
         is_mesh,
@@ -107,76 +164,89 @@ def _build_one(
         read_mesh_file,
         read_picture,
     )
+
+    if path.suffix.lower() == ".bozz":
+        document = open_document(bench, path)
+        drawing = replace(bench.readings.drawing_of_document(document), name=path.stem)
+        return _Source(drawing=drawing, underlays=document.underlays)
+    if is_picture(path):
+        return _Source(picture=read_picture(path, trusted=trusted))
+    if not path.is_dir() and is_mesh(path):
+        mesh = read_mesh_file(path, trusted=trusted)
+        warn(mesh.told(values))
+        ink = bench.sources.ink_of_file(modeler_id, mesh, path.stem)
+        return _Source(mesh=mesh) if ink is None else _Source(drawing=ink)
+    if not path.is_dir():
+        find(path, readers())
+    return _Source(drawing=read_drawing(path, trusted=trusted))
+
+
+def _model_of(
+    bench: Workbench,
+    modeler_id: str,
+    read: _Source,
+    name: str,
+    values: dict[str, object],
+    there: Document,
+    on: tuple[Model, ...],
+) -> Model:
+    """Return the model that the modeler makes of an input, in a document that is there."""
     from bozzetto.plugin.context import Context
     from bozzetto.plugin.job import Job
-    from bozzetto.workbench.export_document import links_of
 
-    there, on = _drawn_on(bench, options.on)
-    picture = drawing = mesh = None
-    underlays: tuple[Any, ...] = ()
-    if source.suffix.lower() == ".bozz":
-        document = open_document(bench, source)
-        underlays = document.underlays
-        drawing = replace(bench.readings.drawing_of_document(document), name=source.stem)
-    elif is_picture(source):
-        picture = read_picture(source, trusted=options.trust_file)
-    elif not source.is_dir() and is_mesh(source):
-        mesh = read_mesh_file(source, trusted=options.trust_file)
-        warn(mesh.told(values))
-        drawing = bench.sources.ink_of_file(modeler_id, mesh, source.stem)
-        mesh = mesh if drawing is None else None
-    else:
-        if not source.is_dir():
-            find(source, readers())
-        drawing = read_drawing(source, trusted=options.trust_file)
-    warn(() if drawing is None else drawing.left_out)
+    if read.picture is not None:
+        return bench.sources.from_picture(modeler_id, read.picture, values)
+    if read.mesh is not None:
+        return bench.sources.from_mesh_file(modeler_id, read.mesh, name, values)
+    assert read.drawing is not None
+    context = Context(camera=read.drawing.camera, scene=bench.scene(there, Job()))
+    return bench.sources.from_drawing(modeler_id, read.drawing, values, context, on=on)
+
+
+def _write(
+    bench: Workbench,
+    there: Document,
+    model: Model,
+    targets: Sequence[Path],
+    report: dict[str, Any],
+    options: argparse.Namespace,
+) -> list[dict[str, Any] | None]:
+    """Write the outputs of a model, and tell what its modeler has to say of the shape.
+
+    Where they are refused the report is written all the same.
+    """
+    from bozzetto.document import edit
+    from bozzetto.plugin.guard.guard import PluginFault
+
+    document = edit.add_model(there, model).document
+    is_document = targets[0].suffix.lower() == ".bozz"
     try:
-        if on and drawing is None:
-            raise UserError("--on takes ink to draw on an object. Give a drawing.")
-        if picture is not None:
-            model = bench.sources.from_picture(modeler_id, picture, values)
-        elif mesh is not None:
-            model = bench.sources.from_mesh_file(modeler_id, mesh, source.stem, values)
-        else:
-            assert drawing is not None
-            context = Context(camera=drawing.camera, scene=bench.scene(there, Job()))
-            model = bench.sources.from_drawing(modeler_id, drawing, values, context, on=on)
-        warn(bench.parts.idle(model, values))
-        report: dict[str, Any] = {}
-        if options.report:
-            report = bench.report(model, Job()) | links_of(model)
-        camera = None if drawing is None else drawing.camera
-        if options.command_id:
-            write_by_command(bench, model, options.command_id, targets[0])
-            warn(caution.message for caution in bench.cautions(model, Job()))
-            return report, {}
-        document = replace(there, camera=camera, underlays=(*there.underlays, *underlays))
-        document = edit.add_model(document, model).document
-        is_document = targets[0].suffix.lower() == ".bozz"
-        try:
-            written = write_outputs(
-                bench,
-                document,
-                targets,
-                None if is_document or len(document) == 1 else [document.models[-1].name],
-                view=options.view,
-                refuse_baseless=not options.allow_template,
-                handover=handover_of(options),
-            )
-        except UserError:
-            # Why there is nothing to write stands in what the modeler says.
-            warn(caution.message for caution in bench.cautions(model, Job()))
-            if options.report and len(options.inputs) == 1:
-                write_report(options.report, report)
-            raise
-        if written == [None]:
-            warn(caution.message for caution in bench.cautions(model, Job()))
-    except UserError as problem:
-        raise UserError(problem.message + _places(problem, drawing)) from problem
-    told = [one for one in written if one is not None]
-    if not told:
-        return report, {}
-    return report, {"written": told[0] if len(targets) == 1 else told}
+        written = write_outputs(
+            bench,
+            document,
+            targets,
+            None if is_document or len(document) == 1 else [document.models[-1].name],
+            view=options.view,
+            refuse_baseless=not options.allow_template,
+            handover=handover_of(options),
+        )
+    except UserError:
+        # Why there is nothing to write stands in what the modeler says, if it can say it.
+        with contextlib.suppress(UserError, PluginFault):
+            _warn_of_shape(bench, model)
+        if options.report and len(options.inputs) == 1:
+            write_report(options.report, report)
+        raise
+    if written == [None]:
+        _warn_of_shape(bench, model)
+    return written
+
+
+def _warn_of_shape(bench: Workbench, model: Model) -> None:
+    """Print what a modeler cautions about a shape."""
+    from bozzetto.plugin.job import Job
+
+    warn(caution.message for caution in bench.cautions(model, Job()))
 
 
 def _drawn_on(bench: Workbench, told: str | None) -> tuple[Document, tuple[Model, ...]]:

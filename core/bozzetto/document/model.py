@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any, Final, cast
 
@@ -25,6 +25,9 @@ ID_PATTERN: Final = r"^[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}\Z"
 
 NAME_PATTERN: Final = r"^[^\x00-\x1f\x7f\ud800-\udfff]{1,200}\Z"
 """Names of models, views and underlays: no control characters, no halves of characters."""
+
+LONGEST_STEM: Final = 180
+"""Characters of a name to which a number is added: names have up to 200."""
 
 LONGEST_CHAIN: Final = 64
 """Models of which each follows the next: more are refused, and not solved."""
@@ -47,6 +50,15 @@ def check_name(text: str) -> None:
     """Raise `UserError` if an object, a part, a view or an underlay cannot be called that."""
     if re.match(NAME_PATTERN, text) is None:
         raise UserError("A name has between 1 and 200 characters, without line breaks.")
+
+
+def numbered_name(wish: str, taken: Set[str]) -> str:
+    """Return a name with the least number from 2 on that is not taken.
+
+    The number that a copy of a copy ends in gives way; a longer one, of a year or a type, stays.
+    """
+    stem = re.sub(r" \d{1,2}$", "", wish)[:LONGEST_STEM]
+    return next(name for k in range(2, len(taken) + 3) if (name := f"{stem} {k}") not in taken)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,11 +315,6 @@ class Document:
         return self if waiting is self.waiting else replace(self, waiting=waiting)
 
     def unused_name(self, wish: str) -> str:
-        """Return `wish`, with a number behind it where the name is taken."""
+        """Return `wish`, or with a number behind it where the name is taken."""
         taken = {model.name for model in self.models}
-        if wish not in taken:
-            return wish
-        number = 2
-        while f"{wish} {number}" in taken:
-            number += 1
-        return f"{wish} {number}"
+        return wish if wish not in taken else numbered_name(wish, taken)

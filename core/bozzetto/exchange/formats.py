@@ -31,7 +31,7 @@ from pathlib import PurePath
 from typing import Any, Final, Literal
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.handover import MILLIMETRES, FileFrame
+from bozzetto.exchange.handover import MILLIMETRES, FileFrame, Handover
 
 Kind = Literal["mesh", "surfaces", "curves", "ink", "image"]
 Feature = Literal["colors", "bones", "motions", "levels", "uvs", "trims", "parts", "quads"]
@@ -106,6 +106,12 @@ class Format:
     def short(self) -> str:
         """Short name for people, such as "STEP"."""
         return self.endings[0].removeprefix(".").upper()
+
+    def frame_for(self, wanted: Handover) -> FileFrame:
+        """Return the frame of a file: as wanted, as far as the format leaves the choice."""
+        unit = wanted.unit if "unit" in self.choices else None
+        up = wanted.up if "up" in self.choices else None
+        return FileFrame(unit or self.frame.unit, up or self.frame.up)
 
 
 EXACT: Final[tuple[Kind, ...]] = ("surfaces", "curves")

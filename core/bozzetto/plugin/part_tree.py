@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from bozzetto.document.model import check_name
+from bozzetto.document.model import check_name, numbered_name
 from bozzetto.errors import UserError
 from bozzetto.parameters import set_parameters
-
-LONGEST_STEM = 180
-"""Characters of a name to which a number is added: names have up to 200."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +123,7 @@ class PartTree:
             copy = replace(
                 part,
                 id=new_ids[part.id],
-                name=tree._unused_name(part.name),
+                name=numbered_name(part.name, {one.name for one in tree.parts}),
                 within=new_ids[part.within],
             )
             copies.append(copy)
@@ -218,14 +214,4 @@ class PartTree:
 
     def _unused_id(self) -> str:
         taken = {part.id for part in self.parts}
-        return next(self._first(lambda k: f"n{k}", taken))
-
-    def _unused_name(self, name: str) -> str:
-        """Return the name with the least number behind it that no other part has."""
-        stem = re.sub(r" \d+$", "", name)[:LONGEST_STEM]
-        return next(self._first(lambda k: f"{stem} {k}", {part.name for part in self.parts}, 2))
-
-    @staticmethod
-    def _first(made: Callable[[int], str], taken: set[str], start: int = 1) -> Iterator[str]:
-        numbers = range(start, start + len(taken) + 1)
-        return (made(k) for k in numbers if made(k) not in taken)
+        return next(f"n{k}" for k in range(1, len(taken) + 2) if f"n{k}" not in taken)

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
 from bozzetto.exchange.cad.cad_curves import points_on
-from bozzetto.exchange.export import WRITERS, Exported, Ready, Recording, prepare_file
+from bozzetto.exchange.export import WRITERS, Exported, prepare_file
 from bozzetto.exchange.formats import find
 from bozzetto.exchange.handover import AS_USUAL, Handover
 from bozzetto.exchange.left_out import LeftOut
 from bozzetto.exchange.mesh.picture_places import Checkpoint, no_checkpoint
+from bozzetto.exchange.ready_shapes import Ready, Recording
 from bozzetto.exchange.svg.writer import is_plan
 from bozzetto.geometry.shapes import Shapes
 from bozzetto.plugin.cautions import Caution

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from bozzetto.document.links import resolved
 from bozzetto.errors import UserError
-from bozzetto.exchange.export import WRITERS, Recording
+from bozzetto.exchange.export import WRITERS
+from bozzetto.exchange.ready_shapes import Recording
 from bozzetto.plugin.cautions import Caution
 from bozzetto.plugin.context import Context
 from bozzetto.plugin.job import Job

@@ -28,7 +28,7 @@ GAP: Final = 0.12
 SENTENCES: Final[dict[FindingKind, str]] = {
     "loose end": "A line ends here alone. Draw on to the next corner, or erase the line.",
     "corner of two lines": "Only two lines meet here. Draw the line that is missing, or let "
-    "“Draw hidden edges” guess it. If this is a folded sheet, touch a corner.",
+    "Object › Polyhedron › Draw hidden edges guess it. If this is a folded sheet, touch a corner.",
     "crossing": "A line ends on the middle of another one here. Draw the missing line from here, "
     "or draw on to the next corner.",
     "tick": "This short mark belongs to no line. Erase it, or draw it longer.",

@@ -37,6 +37,8 @@ after small edits joints are still the same."""
 SMALLEST = 0.005
 """The same as a share of the rig's longest side: at a pointed tip there is no radius."""
 
+STILL: Final = 3.0
+"""A joint that the pen moves by less, pixels, stays: that was a tap."""
 
 BONES: Final = ("paper", 5.0), ("accent", 2.0)
 DOTS: Final = ("paper", 12.0), ("accent", 9.0)
@@ -194,7 +196,7 @@ def joints_layer(state: SilhouetteState) -> Layer | None:
 
 
 def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
-    """Return the state after a joint was dragged parallel to the screen.
+    """Return the state after a joint was dragged parallel to the screen, as far as the pen went.
 
     Raises
     ------
@@ -209,9 +211,13 @@ def posed(state: SilhouetteState, drag: Drag) -> SilhouetteState:
         raise UserError("This joint is not there any more. Drag another one.")
     if rig.parents[number] < 0:
         raise UserError("All other joints follow this one. Drag another one.")
+    path = drag.path.points
+    if float(np.ptp(path, axis=0).max()) < STILL:
+        return state
     rotations, places = rig.posed()
     axes = drag.camera.axes
-    target = drag.camera.on_plane(drag.path.points[-1:], places[number], axes[2])[0]
+    pixel = drag.camera.project(places[number : number + 1])[0] + path[-1] - path[0]
+    target = drag.camera.on_plane(pixel, places[number], axes[2])[0]
     if not np.isfinite(target).all():
         raise UserError("The joint lies behind the eye. Turn the view, then drag.")
 

@@ -27,7 +27,7 @@ from bozzetto_silhouette.tools.brush_marks import (
     path_of,
     with_marks,
 )
-from bozzetto_silhouette.tools.erasing_tool import ErasingTool
+from bozzetto_silhouette.tools.erasing_tool import ColouringTool
 
 NOTHING_YET = "There is nothing to paint on yet. Draw a shape first."
 BESIDE = "This passes the shape by. Paint over the shape."
@@ -46,13 +46,12 @@ RIM: Final = 4.0
 NO_PAINT = "There is no paint to rub out. Paint with the pen first."
 
 
-class Brush(ErasingTool):
+class Brush(ColouringTool):
     """A stroke paints the surface that it is seen on; the pen's other end rubs paint out."""
 
     id = "brush"
     title = "Brush"
     icon = "icons/brush.svg"
-    group = "Colours"
     hint = (
         "Paint on the shape: press harder for a wider stroke, [ and ] size the brush; the eraser "
         "rubs paint out."

@@ -40,3 +40,14 @@ class ErasingTool(Tool[SilhouetteState]):
         # Besides the handles there may be roots, which stay where they are.
         has_joints = layer is not None and any(isinstance(one, Handle) for one in layer.items)
         return NextStep(DRAG_A_JOINT if has_joints else NO_JOINTS)
+
+
+class ColouringTool(ErasingTool):
+    """A tool that colours the surface, of a posed shape as of one at rest."""
+
+    group = "Colours"
+
+    @override
+    def next_step(self, state: SilhouetteState) -> NextStep:
+        """Return the tool's own hint: a stroke over a posed shape colours it."""
+        return NextStep(self.hint)

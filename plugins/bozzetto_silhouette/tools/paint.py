@@ -9,7 +9,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Ink, Tap, override
 from bozzetto.view import Camera
 from bozzetto_silhouette.model.state import SilhouetteState
-from bozzetto_silhouette.tools.erasing_tool import ErasingTool
+from bozzetto_silhouette.tools.erasing_tool import ColouringTool
 from bozzetto_silhouette.view.picking import touched_part
 
 Place = tuple[float, float, Camera]
@@ -18,13 +18,12 @@ MOST_TOUCHES = 32
 """Samples of a stroke at which the shape is looked at: parts are larger than the gaps."""
 
 
-class Paint(ErasingTool):
+class Paint(ColouringTool):
     """A stroke over parts colours them; the pen's other end takes their colour away."""
 
     id = "paint"
     title = "Paint"
     icon = "icons/paint.svg"
-    group = "Colours"
     hint = "Draw over a part to give it the paint colour; the eraser takes it away."
 
     @override

@@ -10,19 +10,18 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Tap, override
 from bozzetto_silhouette.model.state import Picture, SilhouetteState
-from bozzetto_silhouette.tools.erasing_tool import ErasingTool
+from bozzetto_silhouette.tools.erasing_tool import ColouringTool
 
 MOST_PIXELS = 2048
 """Longest side of the picture that is kept: beyond, files grow and nothing more shows."""
 
 
-class ProjectPicture(ErasingTool):
+class ProjectPicture(ColouringTool):
     """The underlay colours the shape, front and back; without an underlay it comes off."""
 
     id = "picture"
     title = "Project picture"
     icon = "icons/picture.svg"
-    group = "Colours"
     hint = "Tap to lay the underlay on the shape; tap without an underlay to take it off."
     gesture = "tap"
 

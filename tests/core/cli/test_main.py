@@ -17,6 +17,8 @@ import pytest
 
 import bozzetto_car
 from bozzetto.cli.main import main
+from bozzetto.errors import UserError
+from bozzetto.workbench.workbench import Workbench
 
 SQUARE = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="-10 -10 60 60">'
@@ -54,6 +56,26 @@ def bozzetto(tmp_path, monkeypatch, capfd):
         return Finished(code, *capfd.readouterr())
 
     return run
+
+
+def test_why_a_file_is_refused_is_told_where_the_modeler_has_nothing_to_say(
+    bozzetto, tmp_path, monkeypatch
+):
+    asked = []
+
+    def fails_later(self, model, job):
+        asked.append(model)
+        if len(asked) > 1:
+            raise UserError("The modeler is at a loss.")
+        return ()
+
+    (tmp_path / "square.svg").write_text(SQUARE)
+    plain = bozzetto("build", "silhouette", "square.svg", "-o", "square.igs")
+    assert plain.returncode == 2
+    assert "exact surfaces" in plain.stderr
+    monkeypatch.setattr(Workbench, "cautions", fails_later)
+    assert bozzetto("build", "silhouette", "square.svg", "-o", "square.igs") == plain
+    assert len(asked) == 2
 
 
 def test_what_is_not_read_of_a_drawing_is_said(bozzetto, tmp_path):

@@ -74,6 +74,22 @@ def test_locked_objects_can_be_hidden_copied_and_moved_in_the_list():
     assert not copy.locked
 
 
+@pytest.mark.parametrize(
+    ("name", "copies"),
+    [
+        ("Body", ("Body 2", "Body 3")),
+        ("Body 7", ("Body 2", "Body 3")),
+        ("Roadster 1960", ("Roadster 1960 2", "Roadster 1960 3")),
+        ("n" * 200, ("n" * 180 + " 2", "n" * 180 + " 3")),
+    ],
+)
+def test_a_copy_and_its_copy_are_counted_on(name, copies):
+    document = Document().with_model(Model("a", name, "test.ink", Ink()))
+    first = edit.duplicate_model(document, "a").document
+    again = edit.duplicate_model(first, first.models[1].id).document
+    assert {model.name for model in again.models} == {name, *copies}
+
+
 @pytest.mark.parametrize("at", [0, 1, 2])
 def test_reordering_counts_without_the_object(at):
     document = edit.move_model(DOCUMENT, "m2", at).document

@@ -11,11 +11,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.export import Ready, export, prepare_export
+from bozzetto.exchange.export import export, prepare_export
 from bozzetto.exchange.formats import FORMATS
 from bozzetto.exchange.handover import MM_PER, FileFrame, Handover
 from bozzetto.exchange.import_file import read_mesh
 from bozzetto.exchange.mesh.manifold_check import bounds_volume, check_solid, enclosed_volume
+from bozzetto.exchange.ready_shapes import Ready
 from bozzetto.exchange.triangle_budget import triangle_count, within_budget
 from bozzetto.geometry import (
     Curve,

@@ -81,7 +81,7 @@ class Hovering:
     def move(self, x: float, y: float, *, eraser: bool) -> None:
         """Follow a pen or a mouse that is over the sheet."""
         found = None if eraser else self.handle_under(x, y)
-        self._tell(None if eraser else (x, y))
+        self._tell(None if eraser or found is not None else (x, y))  # a handle is the shell's own
         if found is None:
             self._overlay.set_hot_handle(None)
             inks = eraser or self.takes == "ink"

@@ -171,7 +171,10 @@ class ParametersPanel(PanelScroll):
             model.locked for model in session.drawing.document if model.id == session.selection.id
         )
         self._locked.setVisible(locked)  # at once: the form may come later
+        self._is_empty = not own and not inner
         if not self.is_ready:
+            if not self._is_empty:
+                self._empty.hide()  # at once, too
             return
         if chosen != self._owner:
             if chosen[0] != self._owner[0]:
@@ -198,11 +201,10 @@ class ParametersPanel(PanelScroll):
         self.form.setEnabled(not locked)
         self._place_section.setVisible(model is not None)
         self.place.setEnabled(not locked)
-        if not own and not inner:
+        if self._is_empty:
             self._empty.setText(self._why_empty(model))
-        self._is_empty = not own and not inner
         self._empty.setVisible(self._is_empty and session.pictures.placing.place is None)
-        self.form.setVisible(bool(own or inner))
+        self.form.setVisible(not self._is_empty)
 
     def _show_underlay(self) -> None:
         """Show where the chosen underlay lies, above all else; nothing where none is chosen."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, NamedTuple
 
@@ -53,6 +53,52 @@ class _Face(NamedTuple):
     material: str
 
 
+@dataclass
+class _Table:
+    """The rows of a file, as they stand in it.
+
+    Attributes
+    ----------
+    vertices, texels : list of list of bytes
+        Words of the vertices, and of the places in pictures.
+    corners : list of int
+        Vertices of the corners of all faces.
+    texel_of : list of int
+        The place in a picture of each corner; -1 where there is none.
+    sizes : list of int
+        How many corners each face has.
+    begins : list of (int, _Face)
+        Faces from a number on belong there.
+    libraries : list of str
+        Names of the files of materials.
+    thin : int
+        Rows of what has no faces.
+    """
+
+    vertices: list[list[bytes]] = field(default_factory=list)
+    texels: list[list[bytes]] = field(default_factory=list)
+    corners: list[int] = field(default_factory=list)
+    texel_of: list[int] = field(default_factory=list)
+    sizes: list[int] = field(default_factory=list)
+    begins: list[tuple[int, _Face]] = field(default_factory=list)
+    libraries: list[str] = field(default_factory=list)
+    thin: int = 0
+
+    def add_face(self, words: list[bytes]) -> None:
+        """Add a face of corners such as ``4/2/1``; raises ValueError where they make no sense."""
+        before = len(self.vertices)
+        for word in words:
+            first, _, rest = word.partition(b"/")
+            index = int(first)
+            self.corners.append(index - 1 if index > 0 else before + index)
+            if index == 0 or -index > before:
+                raise ValueError
+            texel = rest.partition(b"/")[0]
+            place = int(texel) if texel else 0
+            self.texel_of.append(place - 1 if place >= 0 else max(len(self.texels) + place, -1))
+        self.sizes.append(len(words))
+
+
 def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
     """Read the polygons of an OBJ file: a part for each object, groups and materials within it.
 
@@ -67,16 +113,57 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
         Where its materials lie, and what is told.
     """
     reading = reading or Reading()
-    data = checked_text(data)
+    table = _table_of(checked_text(data))
+    places, colors = _columns(table.vertices)
+    rings = _rings(table, len(places))
+    check_places(places)
+    if table.thin:
+        reading.tell(
+            f"Left out of the OBJ file: {table.thin} {'line' if table.thin == 1 else 'lines'}, "
+            "points or free-form curves; save curves as SVG to draw with them."
+        )
+    looks = materials_of(table.libraries, reading)
+    counts = np.array(table.sizes, np.int64)
+    owners, kinds = _owners(table.begins, len(counts))
+    at_most(len(kinds), MAX_PARTS, "parts and groups")
+    shown = _shown(table, looks, reading)
+    if shown is None:
+        cut = triangulate(places, rings, counts)
+        where = np.zeros((len(cut), 0), np.int64)
+    else:  # by corners, whose places in pictures differ where their vertices do not
+        corner = triangulate(places[rings], np.arange(len(rings)), counts)
+        cut, where = rings[corner].astype(np.int32), np.array(table.texel_of, np.int64)[corner]
+    owner = np.repeat(owners, np.maximum(counts - 2, 0))
+    proper = ~is_degenerate(cut)
+    cut, owner, where = cut[proper], owner[proper], where[proper]
+    order = np.argsort(owner, kind="stable")
+    bounds = np.searchsorted(owner[order], np.arange(len(kinds) + 1))
+    numbers_of: dict[str, list[int]] = {}
+    for number, kind in enumerate(kinds):
+        numbers_of.setdefault(kind.part, []).append(number)
+    surfaces = []
+    for name, numbers in numbers_of.items():
+        rows = [order[bounds[k] : bounds[k + 1]] for k in numbers]
+        owned = [(kinds[k], len(row)) for k, row in zip(numbers, rows, strict=True)]
+        chosen = np.concatenate(rows)
+        if not len(chosen):
+            continue
+        groups = [_group(kind, count, looks) for kind, count in owned if count]
+        part = _part(name, places, colors, cut[chosen], groups)
+        if shown is not None:
+            own = [(looks.get(kind.material, PLAIN), count) for kind, count in owned]
+            part = shown.on(part, own, where[chosen])
+        surfaces.append(part)
+    if not surfaces:
+        raise FormatError("There are no faces in this file.")
+    return Shapes(surfaces=tuple(surfaces))
+
+
+def _table_of(data: bytes) -> _Table:
+    """Return the rows of a text, no more of them than are read."""
     at_most(data.count(b"\n"), MAX_LINES, "lines")
-    vertices: list[list[bytes]] = []
-    corners: list[int] = []
-    texels: list[list[bytes]] = []
-    texel_of: list[int] = []  # the place in a picture of each corner; -1 where there is none
-    sizes: list[int] = []
-    begins: list[tuple[int, _Face]] = []  # faces from here on belong there
-    libraries: list[str] = []
-    here, thin = _Face("", "", ""), 0
+    table = _Table()
+    here = _Face("", "", "")
     line = b""
     try:
         for line in _lines(data):
@@ -84,103 +171,60 @@ def read_shapes(data: bytes, reading: Reading | None = None) -> Shapes:
             if not words:
                 continue
             if words[0] == b"v":
-                vertices.append(words[1:])
+                table.vertices.append(words[1:])
             elif words[0] == b"f":
-                before = len(vertices)
-                for word in words[1:]:
-                    first, _, rest = word.partition(b"/")
-                    index = int(first)
-                    corners.append(index - 1 if index > 0 else before + index)
-                    if index == 0 or -index > before:
-                        raise ValueError
-                    texel = rest.partition(b"/")[0]
-                    place = int(texel) if texel else 0
-                    texel_of.append(place - 1 if place >= 0 else max(len(texels) + place, -1))
-                sizes.append(len(words) - 1)
+                table.add_face(words[1:])
             elif words[0] == b"vt":
-                texels.append(words[1:3])
+                table.texels.append(words[1:3])
             elif words[0] in BELONGS:
-                name = _name(line)
-                here = here._replace(**{BELONGS[words[0]]: name})
+                here = here._replace(**{BELONGS[words[0]]: _name(line)})
                 if words[0] == b"o":
                     here = here._replace(group="")
-                begins.append((len(sizes), here))
+                table.begins.append((len(table.sizes), here))
             elif words[0] == b"mtllib":
-                libraries.append(_name(line))
+                table.libraries.append(_name(line))
             elif words[0] in THIN:
-                thin += 1
+                table.thin += 1
     except ValueError:
         shown = line[:40].decode("ascii", "replace")
         raise FormatError(f"A line cannot be understood: “{shown}”.") from None
-    at_most(len(vertices), MAX_VERTICES, "vertices")
-    at_most(len(texels), 4 * MAX_FACES, "places in pictures")
-    at_most(len(corners), 4 * MAX_FACES, "corners")
-    places, colors = _columns(vertices)
-    if not corners:
-        if thin:
+    at_most(len(table.vertices), MAX_VERTICES, "vertices")
+    at_most(len(table.texels), 4 * MAX_FACES, "places in pictures")
+    at_most(len(table.corners), 4 * MAX_FACES, "corners")
+    return table
+
+
+def _rings(table: _Table, count: int) -> NDArray[np.int64]:
+    """Return the corners of all faces, which must be among so many vertices."""
+    if not table.corners:
+        if table.thin:
             raise FormatError(
                 "There are no faces in this file, only lines, points or free-form curves. Save "
                 "curves as SVG to draw with them, and surfaces as polygons."
             )
         raise FormatError("There are no faces in this file.")
     try:
-        rings = np.array(corners, np.int64)
+        rings = np.array(table.corners, np.int64)
     except OverflowError:
         raise FormatError("A face names a vertex that the file does not hold.") from None
-    if rings.max() >= len(places):
+    if rings.max() >= count:
         raise FormatError("A face names a vertex that the file does not hold.")
-    check_places(places)
-    if thin:
-        reading.tell(
-            f"Left out of the OBJ file: {thin} {'line' if thin == 1 else 'lines'}, points or "
-            "free-form curves; save curves as SVG to draw with them."
-        )
-    looks = materials_of(libraries, reading)
-    counts = np.array(sizes, np.int64)
-    owners, kinds = _owners(begins, len(counts))
-    parts: dict[str, list[int]] = {}
-    for number, kind in enumerate(kinds):
-        parts.setdefault(kind.part, []).append(number)
-    at_most(len(kinds), MAX_PARTS, "parts and groups")
+    return rings
+
+
+def _shown(table: _Table, looks: Mapping[str, Look], reading: Reading) -> _Shown | None:
+    """Return the pictures of materials and their places, if both are there; tell of one alone."""
     pictured = any(look.picture for look in looks.values())
-    if pictured and not texels:
+    if pictured and not table.texels:
         reading.tell(
             "Left out of the OBJ file: the picture of a material. Its places on the surface are "
             "not in the file."
         )
-    if texels and not pictured:
+    if table.texels and not pictured:
         reading.tell_of_unused_places("OBJ")
-    pictures = Pictures("OBJ", reading)
-    places_shown = _Shown(pictures, _texels(texels)) if pictured and texels else None
-    if places_shown is None:
-        cut = triangulate(places, rings, counts)
-        where = np.zeros((len(cut), 0), np.int64)
-    else:  # by corners, whose places in pictures differ where their vertices do not
-        corner = triangulate(places[rings], np.arange(len(rings)), counts)
-        cut, where = rings[corner].astype(np.int32), np.array(texel_of, np.int64)[corner]
-    owner = np.repeat(owners, np.maximum(counts - 2, 0))
-    proper = ~is_degenerate(cut)
-    cut, owner, where = cut[proper], owner[proper], where[proper]
-    order = np.argsort(owner, kind="stable")
-    bounds = np.searchsorted(owner[order], np.arange(len(kinds) + 1))
-    surfaces = []
-    for name, numbers in parts.items():
-        rows = [order[bounds[k] : bounds[k + 1]] for k in numbers]
-        groups = [_group(kinds[k], len(row), looks) for k, row in zip(numbers, rows, strict=True)]
-        faces = cut[np.concatenate(rows)]
-        if not len(faces):
-            continue
-        part = _part(name, places, colors, faces, [g for g in groups if g.count])
-        if places_shown is not None:
-            own = [
-                (looks.get(kinds[k].material, PLAIN), len(r))
-                for k, r in zip(numbers, rows, strict=True)
-            ]
-            part = places_shown.on(part, own, where[np.concatenate(rows)])
-        surfaces.append(part)
-    if not surfaces:
-        raise FormatError("There are no faces in this file.")
-    return Shapes(surfaces=tuple(surfaces))
+    if not pictured or not table.texels:
+        return None
+    return _Shown(Pictures("OBJ", reading), _texels(table.texels))
 
 
 class _Shown(NamedTuple):

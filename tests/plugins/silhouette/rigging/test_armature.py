@@ -361,8 +361,20 @@ def test_a_ball_has_one_joint_and_nothing_to_drag():
         posed(state, drag_of(state, 0, (30, 0)))
 
 
-@pytest.mark.parametrize("tool", MODELER.tools(), ids=lambda tool: tool.id)
-def test_while_posing_every_tool_speaks_of_joints_and_of_nothing_else(tool):
+COLOURING, OTHERS = (
+    [tool for tool in MODELER.tools() if (tool.group == "Colours") is colours]
+    for colours in (True, False)
+)
+
+
+@pytest.mark.parametrize("tool", COLOURING, ids=lambda tool: tool.id)
+def test_what_colours_says_how_while_posing_too(tool):
+    limb = replace(state_of(part(capsule(0, 0, 80, 8))), posing=True)
+    assert tool.next_step(limb).sentence == tool.hint
+
+
+@pytest.mark.parametrize("tool", OTHERS, ids=lambda tool: tool.id)
+def test_while_posing_every_other_tool_speaks_of_joints_and_of_nothing_else(tool):
     limb = state_of(part(capsule(0, 0, 80, 8)))
     assert tool.next_step(limb).sentence == tool.next_step(state_of()).sentence == tool.hint
     assert tool.next_step(replace(state_of(), posing=True)).sentence == tool.hint, "nothing to pose"
@@ -408,6 +420,24 @@ def test_a_dragged_end_arrives_under_the_pen_and_bones_keep_their_lengths(camera
                 length = np.linalg.norm(places[joint] - places[parent])
                 rest = np.linalg.norm(rig.joints[joint] - rig.joints[parent])
                 assert length == pytest.approx(rest, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("aside", [(5.0, -4.0), (-6.0, 3.0)])
+def test_a_joint_goes_as_far_as_the_pen_wherever_it_was_held(aside):
+    state = state_of(WORM)
+    tip = ends_of(rig_of(state))[-1]
+    held = drag_of(state, tip, (0.0, -20.0))
+    x, y = (held.path.points + aside).T
+    beside = replace(held, path=Stroke(x, y, FRONT))
+    np.testing.assert_allclose(
+        rig_of(posed(state, beside)).posed()[1], rig_of(posed(state, held)).posed()[1], atol=1e-6
+    )
+
+
+def test_a_touched_joint_stays_as_it_was():
+    state = state_of(WORM)
+    trembling = drag_of(state, ends_of(rig_of(state))[-1], (2.0, -1.0))
+    assert posed(state, trembling) is state
 
 
 def test_an_end_dragged_out_of_reach_points_at_the_pen():
