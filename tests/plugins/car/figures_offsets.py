@@ -64,8 +64,6 @@ def offset_of(network: Network, python: str) -> Offset:
     return offset_by_open_cascade(closed, python)
 
 
-
-
 def main() -> None:
     python = os.environ["BOZZETTO_CAD_READERS"]
     print(f"| template | moved by {MOVED:g} mm | solved from one sketch |")
