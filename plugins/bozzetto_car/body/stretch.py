@@ -19,7 +19,6 @@ from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.network import Network
 
-
 REMEMBERED: Final = 64
 """Number of stretched networks that are remembered: the last one that was measured is shown."""
 

@@ -19,7 +19,7 @@ from bozzetto_car.body.build import body_of
 from bozzetto_car.parts.closed_body import closed_body
 from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES, bundled
-from bozzetto_car.template.model import MIRROR, Template
+from bozzetto_car.template.model import MIRROR
 from bozzetto_car.template.network import Network
 from tests.plugins.car.marked_points import marked
 from tests.plugins.car.offsets import Offset, offset_by_open_cascade
