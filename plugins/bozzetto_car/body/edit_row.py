@@ -20,7 +20,8 @@ from bozzetto_car.body.edit_list import Edit
 from bozzetto_car.body.moved_since import Moved, moved_for
 from bozzetto_car.body.reshaped import map_to
 from bozzetto_car.body.stretch import stretch, undo_stretch
-from bozzetto_car.body.trace_edges import Line, trace_all
+from bozzetto_car.body.stroke_reader import Line
+from bozzetto_car.body.trace_edges import trace_all
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.state import BentEdge, CarState, MovedNode, TracedEdges, Treatment
 from bozzetto_car.template.model import Template
