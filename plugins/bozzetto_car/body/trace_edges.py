@@ -15,7 +15,8 @@ from bozzetto.view import Camera
 from bozzetto_car.body.chain_smoothing import smooth_chains, smooth_joints
 from bozzetto_car.body.drag import drag_place
 from bozzetto_car.body.edge_runs import Run
-from bozzetto_car.body.joint_fit import JointFit, SeenNode, SharedJoint, Sighting, node_axes
+from bozzetto_car.body.foot_points import Sighting
+from bozzetto_car.body.joint_fit import JointFit, SeenNode, SharedJoint, node_axes
 from bozzetto_car.body.stroke_reader import (
     Goal,
     Line,
