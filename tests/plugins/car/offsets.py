@@ -14,8 +14,8 @@ LEAST_GROWTH, MOST_GROWTH = 0.95, 1.15
 """Growth of a valid offset: what is added, relative to 2 mm times the area."""
 
 SECONDS = 240
-"""Longest processor time for one offset; 10 to 20 are usual. The clock does not count, which runs on
-while others work."""
+"""Longest processor time for one offset; 10 to 20 are usual. The clock does not count, for others
+may work beside it."""
 
 OFFSET = """
 import resource
