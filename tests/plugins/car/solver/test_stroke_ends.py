@@ -104,7 +104,7 @@ def test_steady_strokes_tell_the_car_better_than_unsteady_marks() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "name"), enumerate(TEMPLATES))
+@pytest.mark.parametrize(("number", "name"), list(enumerate(TEMPLATES)))
 def test_no_stroke_is_met_worse_by_more_than_a_pixel(
     number: int, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
