@@ -17,8 +17,8 @@ from bozzetto_car.body.chain_smoothing import (
 from bozzetto_car.body.deformed import deformed, right_after
 from bozzetto_car.body.edit_row import edited, firmness, left_alone, with_images, with_strokes
 from bozzetto_car.body.edits_preview import carried_body
-from bozzetto_car.body.moved_since import moved_for
 from bozzetto_car.body.reshaped import brought_to
+from bozzetto_car.body.space_edits import moved_for
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.solver.nodes_on_mesh import FEWEST

@@ -17,8 +17,8 @@ from bozzetto_car.body.chain_smoothing import anneal, lock_ratios, shorten_tange
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.drag import bend_edge
 from bozzetto_car.body.edit_list import Edit
-from bozzetto_car.body.moved_since import Moved, moved_for
 from bozzetto_car.body.reshaped import map_to
+from bozzetto_car.body.space_edits import Moved, moved_for
 from bozzetto_car.body.stretch import stretch, undo_stretch
 from bozzetto_car.body.stroke_reader import Line
 from bozzetto_car.body.trace_edges import trace_all

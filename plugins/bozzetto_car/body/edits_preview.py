@@ -22,7 +22,7 @@ from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.drag import drag_places
 from bozzetto_car.body.edge_pictures import edge_pictures, project_points
 from bozzetto_car.body.edit_row import drawn_through
-from bozzetto_car.body.moved_since import car_then
+from bozzetto_car.body.space_edits import car_then
 from bozzetto_car.body.stroke_reader import NEAR_END
 from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents

@@ -14,7 +14,7 @@ from bozzetto.plugin import Context, Ink
 from bozzetto_car.body import deformed, edit_row, reshaped
 from bozzetto_car.body.body import Body
 from bozzetto_car.body.build import body_of
-from bozzetto_car.body.dragged import body_at_rest_of, preview_of
+from bozzetto_car.body.drag_preview import body_at_rest_of, preview_of
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.solver import pipeline as pipeline_module
 from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
