@@ -126,7 +126,8 @@ def templates() -> None:
         row, column = divmod(number, across)
         state = CarState(template=name, network=False, complete=True)
         body = body_of(state)
-        layers = tuple(one for one in scene_of(state, body).layers if one.name != "handles")
+        hidden = ("handles", "joints")
+        layers = tuple(one for one in scene_of(state, body).layers if one.name not in hidden)
         places = body.network.positions
         middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
         for turn, seen in enumerate(TEMPLATE_SEEN):

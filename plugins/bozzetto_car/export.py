@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bozzetto.geometry import Brep, Curve, Patchwork, Shapes
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.parts.part_list import added_lines, added_parts, exact_body, wheel_parts
 from bozzetto_car.state import CarState
 from bozzetto_car.styling.curve_fit import as_curves

@@ -23,7 +23,9 @@ from bozzetto.plugin import (
 )
 from bozzetto.scene import Picture, Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_at_rest_of, body_of, preview_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
+from bozzetto_car.body.drag_preview import body_at_rest_of, preview_of
 from bozzetto_car.body.edge_ink import ink_of
 from bozzetto_car.commands import all_commands
 from bozzetto_car.export import curves_of, shapes_of

@@ -11,7 +11,7 @@ import numpy as np
 from bozzetto.errors import UserError
 from bozzetto.plugin import Caution, Figure, Job
 from bozzetto.view.calibration import Parts, direct_linear_transform
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.body.edit_list import Edits
 from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.body.wheels import RIM, WIDTH, Proportions, on_tyres

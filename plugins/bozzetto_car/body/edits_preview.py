@@ -8,18 +8,23 @@ where they were seen through the old one, and only their depth is carried over.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
+from bozzetto.errors import UserError
 from bozzetto.view import Camera
+from bozzetto_car.body.body import Body
 from bozzetto_car.body.chain_smoothing import smooth_chains
 from bozzetto_car.body.drag import drag_places
 from bozzetto_car.body.edge_pictures import edge_pictures, project_points
-from bozzetto_car.body.trace_edges import NEAR_END
+from bozzetto_car.body.edit_row import drawn_through
+from bozzetto_car.body.space_edits import car_then
+from bozzetto_car.body.stroke_reader import NEAR_END
+from bozzetto_car.state import CarState, TracedEdges
 from bozzetto_car.template.network import HANDLE, Network, with_positions, with_tangents
 
 PIECES: Final = 8
@@ -167,3 +172,28 @@ def _distinct_rows(rows: Index) -> tuple[Index, Index]:
     """Return the columns (2, k) of the distinct rows (n, 2), and which of them each is, (n,)."""
     distinct, which = np.unique(rows, axis=0, return_inverse=True)
     return np.asarray(distinct.T), np.asarray(which.ravel())
+
+
+def carried_body(old: Body, old_start: Body, start: Body, before: CarState) -> Body:
+    """Return the body `start` with what the edits of a car changed from `old_start` to `old`."""
+    traced = list(_on_pictures(old, start, before))
+    network = carried(old.network, old_start.network, start.network, traced)
+    return replace(old, network=network, solved=start.solved, is_dragged=True)
+
+
+def _on_pictures(old: Body, start: Body, before: CarState) -> Iterator[OnPicture]:
+    """Yield what was traced on a body as it was and as it is seen now.
+
+    What was traced on a stretched body is seen on another one than this; it is left out.
+    """
+    for number, edges in old.traced:
+        edit = before.edits[number]
+        assert isinstance(edit, TracedEdges)
+        if edit.dimensions.given() or car_then(edit, before) is not None:
+            continue
+        try:
+            (was, then), (is_now, now) = (drawn_through(body, edit) for body in (old, start))
+        except UserError:  # its sketch has no camera any more, and is told where edits are repeated
+            continue
+        shift = (is_now[0] - was[0]).tolist()
+        yield OnPicture(edges, edit.nodes_follow, then, now, (shift[0], shift[1]))

@@ -26,10 +26,11 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto.ink import FARTHEST
 from bozzetto.plugin import cached_property
 from bozzetto_car.body.edge_pictures import UNSEEN
-from bozzetto_car.camera.rational_projection import AT_EYE, POWERS, TINY
+from bozzetto_car.body.foot_points import Feet, Samples, Sighting
+from bozzetto_car.body.mixed_steps import MixedSteps
+from bozzetto_car.camera.rational_projection import AT_EYE, TINY
 from bozzetto_car.listening import look
 from bozzetto_car.template.network import HANDLE, EdgeJunction, Network
 
@@ -70,54 +71,8 @@ UNIT_OF_RATIO: Final = 1e-3
 NEAR: Final = 1e-2
 """Gain that a step promises, per cost, from which on further steps are mixed."""
 
-MIXED: Final = 5
-"""Number of steps that are mixed."""
-
-SINGULAR: Final = 1e-8
-"""Share of the largest change of steps below which one tells nothing."""
-
-FOOT_PLACES: Final = 24
-"""Pieces of an edge among which the search for foot points begins."""
-
-FOOT_STEPS: Final = 12
-"""Most Gauss–Newton steps to a foot point."""
-
-FOOT_SETTLED: Final = 1e-8
-"""Longest step of the parameter at which they end."""
-
-LONGEST_SHIFT: Final = 1.0 / FOOT_PLACES
-"""Longest step of the parameter."""
-
-FARTHEST_BEYOND: Final = 8.0
-"""Most steps of the parameter by which a sample counts as beyond the end of an edge."""
-
 LOCAL: Final = 14
 """Unknowns of an edge: three of each node, three of each tangent, a ratio at each end."""
-
-SLOPES: Final = np.array([1.0, 2.0, 3.0])
-"""Factors of the coefficients of a cubic's derivative."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sighting:
-    """A part of a stroke that tells how an edge looks.
-
-    Attributes
-    ----------
-    edge : int
-        Of the right half or the middle.
-    points : (k, 2) float
-        Samples, px.
-    weights : (k,) float
-        Weights of their squared distances.
-    matrices : (4, 3, 4) float
-        Camera's matrix for each Bézier point: (u w, v w, w) = M (x, y, z, 1).
-    """
-
-    edge: int
-    points: Array
-    weights: Array
-    matrices: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,40 +114,13 @@ class SharedJoint:
 
 
 @dataclass(frozen=True, eq=False)
-class _Feet:
-    """The pictures of edges at the foot points of all samples.
-
-    Attributes
-    ----------
-    t, w : (s, k) float
-        Parameters and homogeneous coordinates.
-    places, normals : (s, 2, k) float
-        Places on the sheet, and unit vectors across the pictures.
-    ways : (s, k) float
-        Distances across the pictures, px.
-    beyond : (s, k) float
-        How far samples are beyond an end of the edge, in steps of the parameter; 0 elsewhere.
-    deeper : (s, k) float
-        Derivative of the logarithm of the homogeneous coordinate by the parameter.
-    """
-
-    t: Array
-    w: Array
-    places: Array
-    normals: Array
-    ways: Array
-    beyond: Array
-    deeper: Array
-
-
-@dataclass(frozen=True, eq=False)
 class _Try:
     """Unknowns with what they cost, and what a step needs."""
 
     unknowns: Array
     curves: Array
     scales: Array
-    feet: _Feet
+    feet: Feet
     seen: Array
     cost: float
 
@@ -224,10 +152,7 @@ class JointFit:
         self.network = network
         self.edges = sorted({own.edge for own in sightings})
         place = {edge: number for number, edge in enumerate(self.edges)}
-        self._of = np.array([place[own.edge] for own in sightings], np.intp)
-        self._points, self._weights = _padded(sightings)
-        self._turned = np.swapaxes(self._points, 1, 2)
-        self._matrices = np.stack([own.matrices for own in sightings])
+        self._samples = Samples.of_sightings(sightings, self.edges)
         self._node_form = node_form
         self.node_axes = node_axes(network, sorted({seen.node for seen in seen_nodes}))
         self._columns, self._starts = self._laid_out(joints, place)
@@ -252,7 +177,7 @@ class JointFit:
         here = self._at(self._starts, None)
         if here is None or (not self.node_axes and np.abs(here.feet.ways).max() <= RESOLVED):
             return None
-        mixed = _Mixed(self._scales)
+        mixed = MixedSteps(self._scales)
         for _ in range(STEPS):
             look()
             step, gain = self._step(here)
@@ -350,7 +275,7 @@ class JointFit:
         lengths = np.linalg.norm(legs, axis=2, keepdims=True)
         along = np.divide(legs, lengths, out=np.zeros_like(legs), where=lengths > 0.0)
         # The direction that does not move in the picture: the null vector of its derivative.
-        matrices, handles = self._matrices[:, 1:3], own[self._of, 1:3]
+        matrices, handles = self._samples.matrices[:, 1:3], own[self._samples.of, 1:3]
         seen = np.einsum("shij,shj->shi", matrices[..., :3], handles) + matrices[..., 3]
         rays = np.cross(
             matrices[:, :, 0, :3] * seen[:, :, 2:] - seen[:, :, :1] * matrices[:, :, 2, :3],
@@ -359,7 +284,7 @@ class JointFit:
         rays /= np.maximum(np.linalg.norm(rays, axis=2, keepdims=True), TINY)
         across = np.eye(3) - rays[..., :, None] * rays[..., None, :]
         shown = np.zeros((len(own), 2, 3, 3))
-        np.add.at(shown, self._of, across)
+        np.add.at(shown, self._samples.of, across)
         free = self.network.free_axes[self.edges]
         most = np.linalg.eigvalsh(shown)[..., 2:]
         shown = shown * free[..., :, None] * free[..., None, :]
@@ -375,61 +300,14 @@ class JointFit:
         stiff = np.einsum("ehk,ehki,ehkj->ehij", hidden, still, still)
         return np.asarray((stiff + np.eye(3)) / (LEEWAY * chords) ** 2)
 
-    # -- pictures --
-
-    def _feet(self, curves: Array, near: Array | None) -> _Feet | None:
-        """Return the foot points of all samples; None if an edge is behind an eye or far away."""
-        own = np.concatenate((curves[self._of], np.ones((len(self._of), 4, 1))), axis=2)
-        seen = np.swapaxes((self._matrices @ own[..., None])[..., 0], 1, 2)
-        w = seen[:, 2:]
-        if w.min() <= AT_EYE or (np.abs(seen[:, :2]) > FARTHEST * w).any():
-            return None
-        cubics = seen @ POWERS.T
-        slopes = cubics[:, :, 1:] * SLOPES
-        t = self._nearest(cubics) if near is None else near
-        powers = np.ones((len(t), 4, t.shape[1]))
-        for number in range(FOOT_STEPS + 1):
-            powers[:, 1] = t
-            np.multiply(t, t, out=powers[:, 2])
-            np.multiply(powers[:, 2], t, out=powers[:, 3])
-            rows, speeds = cubics @ powers, slopes @ powers[:, :3]
-            depth = rows[:, 2:]
-            places = rows[:, :2] / depth
-            pace = (speeds[:, :2] - speeds[:, 2:] * places) / depth
-            ways = places - self._turned
-            squares = np.maximum(pace[:, 0] ** 2 + pace[:, 1] ** 2, TINY)
-            shift = (ways[:, 0] * pace[:, 0] + ways[:, 1] * pace[:, 1]) / squares
-            feet = np.clip(t - np.clip(shift, -LONGEST_SHIFT, LONGEST_SHIFT), 0.0, 1.0)
-            if number == FOOT_STEPS or np.abs(feet - t).max() < FOOT_SETTLED:
-                break
-            t = feet
-        normals = np.stack((-pace[:, 1], pace[:, 0]), axis=1) / np.sqrt(squares)[:, None]
-        off = normals[:, 0] * ways[:, 0] + normals[:, 1] * ways[:, 1]
-        beyond = np.clip(shift, -FARTHEST_BEYOND, FARTHEST_BEYOND)
-        return _Feet(t, depth[:, 0], places, normals, off, beyond, speeds[:, 2] / depth[:, 0])
-
-    def _nearest(self, cubics: Array) -> Array:
-        """Return parameters (s, k) of the nearest places on polylines in the edges' pictures."""
-        rows = cubics @ np.linspace(0.0, 1.0, FOOT_PLACES + 1) ** np.arange(4)[:, None]
-        path = np.swapaxes(rows[:, :2] / rows[:, 2:], 1, 2)
-        begin, piece = path[:, :-1], np.diff(path, axis=1)
-        squares = np.maximum((piece**2).sum(axis=2), TINY)[:, None]
-        along = self._points @ np.swapaxes(piece, 1, 2) - (begin * piece).sum(axis=2)[:, None]
-        share = np.clip(along / squares, 0.0, 1.0)
-        # Squared distances, without the term that is equal for all pieces.
-        away = (begin**2).sum(axis=2)[:, None] - 2.0 * self._points @ np.swapaxes(begin, 1, 2)
-        away += share * (share * squares - 2.0 * along)
-        which = np.argmin(away, axis=2)[..., None]
-        return np.asarray((which + np.take_along_axis(share, which, axis=2))[..., 0] / FOOT_PLACES)
-
     # -- cost and step --
 
     def _at(self, unknowns: Array, near: Array | None) -> _Try | None:
         curves, scales = self._curves(unknowns)
-        feet = self._feet(curves, near)
+        feet = self._samples.feet(curves, near)
         if feet is None:
             return None
-        cost = float((self._weights * feet.ways**2).sum())
+        cost = float((self._samples.weights * feet.ways**2).sum())
         moved = self._moved(curves)
         cost += float(np.einsum("ehi,ehij,ehj->", moved, self._stiff, moved))
         away = unknowns - self._starts
@@ -468,13 +346,13 @@ class JointFit:
         across = feet.normals / feet.w[:, None]
         deep = -(across[:, 0] * feet.places[:, 0] + across[:, 1] * feet.places[:, 1])
         leads = np.concatenate((across, deep[:, None]), axis=1)  # of (u w, v w, w), (s, 3, k)
-        rows = np.swapaxes(self._matrices[..., :3], 2, 3) @ leads[:, None]
+        rows = np.swapaxes(self._samples.matrices[..., :3], 2, 3) @ leads[:, None]
         rows = (rows * shares[:, :, None]).reshape(len(t), 12, -1)
-        weighted = rows * self._weights[:, None]
+        weighted = rows * self._samples.weights[:, None]
         form = np.zeros((len(self.edges), 12, 12))
         slope = np.zeros((len(self.edges), 12))
-        np.add.at(form, self._of, weighted @ np.swapaxes(rows, 1, 2))
-        np.add.at(slope, self._of, (weighted @ feet.ways[..., None])[..., 0])
+        np.add.at(form, self._samples.of, weighted @ np.swapaxes(rows, 1, 2))
+        np.add.at(slope, self._samples.of, (weighted @ feet.ways[..., None])[..., 0])
         self._hold_handles(here, form, slope)
         ways = self._led(here)
         back = np.swapaxes(ways, 1, 2)
@@ -539,48 +417,7 @@ def _eased(sines: Array) -> Array:
     return np.asarray(share**2 * (3.0 - 2.0 * share))
 
 
-class _Mixed:
-    """The last steps of an iteration, of which the next one is made (Anderson 1965).
-
-    Where strokes leave the lengths of tangents open, Gauss–Newton steps get shorter by constant
-    ratios, one for each open direction. Walker and Ni (2011), algorithm AA.
-
-    Parameters
-    ----------
-    scales : (q,) float
-        Units of the unknowns.
-    """
-
-    def __init__(self, scales: Array) -> None:
-        self._scales = scales
-        self._places: list[Array] = []
-        self._steps: list[Array] = []
-
-    def step(self, place: Array, step: Array) -> Array | None:
-        """Return the step to take from a place with a Gauss–Newton step; None for that itself."""
-        if self._steps and np.linalg.norm(step) > np.linalg.norm(self._steps[-1]):
-            self._places, self._steps = [], []  # mixing has led astray
-        self._places, self._steps = [*self._places, place][-MIXED:], [*self._steps, step][-MIXED:]
-        if len(self._steps) < 2:
-            return None
-        turns = np.diff(np.stack(self._steps), axis=0)
-        ways = np.diff(np.stack(self._places), axis=0)
-        shares = np.linalg.lstsq((turns / self._scales).T, step / self._scales, SINGULAR)[0]
-        return np.asarray(step - shares @ (ways + turns))
-
-
 def node_axes(network: Network, nodes: Sequence[int]) -> list[tuple[int, int]]:
     """Return the coordinates (node, axis) that nodes of the right half or the middle may change."""
     middle = set(network.template.centre.tolist())
     return [(node, axis) for node in nodes for axis in range(3) if axis != 1 or node not in middle]
-
-
-def _padded(sightings: Sequence[Sighting]) -> tuple[Array, Array]:
-    """Return samples (s, k, 2) and weights (s, k), filled up with last samples of no weight."""
-    most = max(len(own.points) for own in sightings)
-    points, weights = np.empty((len(sightings), most, 2)), np.zeros((len(sightings), most))
-    for number, own in enumerate(sightings):
-        count = len(own.points)
-        points[number, :count], points[number, count:] = own.points, own.points[-1]
-        weights[number, :count] = own.weights
-    return points, weights

@@ -7,14 +7,20 @@ whole edge by what a cubic cannot represent.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.geometry.patches import extent
+from bozzetto.plugin import remembered
 from bozzetto_car.body.dimension_map import Reshaping, fit_reshaping
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.network import Network
+
+REMEMBERED: Final = 64
+"""Number of stretched networks that are remembered: the last one that was measured is shown."""
 
 
 def reshaping_of(network: Network, wanted: Dimensions) -> Reshaping | None:
@@ -36,6 +42,7 @@ def reshaping_of(network: Network, wanted: Dimensions) -> Reshaping | None:
     return fit_reshaping(wanted, _box(network), wheels, lambda map_: _box(stretch(network, map_)))
 
 
+@remembered(limit=REMEMBERED)
 def stretch(network: Network, map_: Reshaping) -> Network:
     """Return a network after a map; wheels keep their radius, and symmetry is exact."""
     positions = map_.nodes(network.template, network.positions)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import Edits
-from bozzetto_car.body.trace_edges import Traced
+from bozzetto_car.body.traced import Traced
 from bozzetto_car.state import TracedEdges
 from bozzetto_car.template.network import edge_called
 

@@ -12,7 +12,8 @@ from bozzetto.arrays import Array, Flags
 from bozzetto.geometry.patches import bernstein
 from bozzetto.plugin import remembered
 from bozzetto.view import Camera, triple
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import (
     asked_of,

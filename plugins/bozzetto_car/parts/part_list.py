@@ -14,7 +14,7 @@ from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Look, Mesh, Patchwork
 from bozzetto.geometry.patches import shaded
 from bozzetto.plugin import remembered
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.body.wheels import on_tyres
 from bozzetto_car.parts.body_lines import body_lines
 from bozzetto_car.parts.closed_body import closed_body

@@ -17,7 +17,7 @@ from bozzetto.arrays import Array
 from bozzetto.geometry.patches import Places, points_at
 from bozzetto.ink import arc_length
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.project_on_body import project_line
 from bozzetto_car.styling.stroke_line import smooth_line

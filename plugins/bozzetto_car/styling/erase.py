@@ -15,7 +15,7 @@ from bozzetto.geometry.patches import Places
 from bozzetto.ink import Stroke, distances_to_polyline, resample
 from bozzetto.plugin import PartsState
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import mirror_curve, stem_of, with_paths
 from bozzetto_car.styling.curve_fit import Course, courses_on

@@ -13,7 +13,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry.patches import Places, foot_points, normals_at, points_at
 from bozzetto.ink import arc_length, distances_to_polyline, oversketch_curve, resample, smooth
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import curve_paths, with_paths
 from bozzetto_car.styling.curve_fit import Course, courses_on

@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.geometry.patches import normals_at, points_at, ray_hits
 from bozzetto.ink import FARTHEST, distances_to_polyline, resample
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import mirror_curve
 from bozzetto_car.styling.curve_fit import Course, courses_on

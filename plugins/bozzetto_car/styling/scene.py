@@ -12,7 +12,7 @@ from bozzetto.arrays import Array, Index
 from bozzetto.geometry.patches import Places, points_at
 from bozzetto.plugin import remembered
 from bozzetto.scene import Item, Lines, Paint
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve_fit import Course, courses_of
 from bozzetto_car.styling.surface_path import join_paths

@@ -27,8 +27,9 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index, cross_product
+from bozzetto.arrays import Array, Flags, Index, cross_product, frozen
 from bozzetto.geometry.patches import bernstein, coons_nets
+from bozzetto.plugin import remembered
 from bozzetto_car.template.model import MIRROR, Template
 from bozzetto_car.template.network import KNOWN, Network
 from bozzetto_car.template.saddles import bent_one_way
@@ -48,7 +49,12 @@ Corner = tuple[int, int]
 GAUSS: Final = np.polynomial.legendre.leggauss(4)
 """Places −1 … 1 and weights that integrate squares of cubics exactly."""
 
+REMEMBERED: Final = 64
+"""Number of networks whose patches are remembered: a body that is brought to dimensions is measured
+before it is shown."""
 
+
+@remembered(limit=REMEMBERED)
 def fair_nets(network: Network) -> Array:
     """Return the control nets of a network's patches: of least variation, and with few saddles.
 
@@ -63,7 +69,7 @@ def fair_nets(network: Network) -> Array:
     Returns
     -------
     (k, 4, 4, 3) float
-        mm.
+        mm; read-only, for the very same network is not worked out twice.
     """
     rows = _least_varying(network)
     normals = rows.corners.normals(rows.nets)
@@ -75,7 +81,7 @@ def fair_nets(network: Network) -> Array:
     moved = bent_one_way(rows.nets, _FLAT, ways, form, creases)
     nets = rows.nets.copy()
     nets[:, *INNER] += np.einsum("n,kcnx->kcx", moved, ways)
-    return _whole(network, rows.corners, nets)
+    return frozen(_whole(network, rows.corners, nets), np.float64)
 
 
 def least_varying_nets(network: Network) -> Array:

@@ -12,7 +12,8 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, Ink, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.marking.edit_marks import set_mark, sketch_in_work, without_marks
 from bozzetto_car.marking.mark_mesh import (
     asked_on_mesh,

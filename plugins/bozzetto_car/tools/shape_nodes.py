@@ -12,7 +12,8 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Drag, Gesture, NextStep, Tap, Tool, override
 from bozzetto.scene import Scene
 from bozzetto.view import triple
-from bozzetto_car.body.build import Body, body_in_work, body_of, world_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_in_work, body_of, world_of
 from bozzetto_car.body.drag import drag_handle, drag_node
 from bozzetto_car.body.edit_list import add_drag
 from bozzetto_car.state import BentEdge, CarState, MovedNode

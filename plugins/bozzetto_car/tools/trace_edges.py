@@ -13,17 +13,12 @@ from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Gesture, Ink, Tool, override
 from bozzetto.scene import Layer, Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import (
-    Body,
-    body_in_work,
-    body_of,
-    drawn_through,
-    in_world_of,
-    unstretched_body_of,
-    world_of,
-)
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_in_work, body_of, unstretched_body_of, world_of
 from bozzetto_car.body.edge_runs import find_run
 from bozzetto_car.body.edit_list import without_last_of
+from bozzetto_car.body.edit_row import drawn_through
+from bozzetto_car.body.reshaped import in_world_of
 from bozzetto_car.body.trace_edges import trace
 from bozzetto_car.camera.sketch_camera import SketchCamera, upright_camera
 from bozzetto_car.state import CarState, TracedEdges

@@ -12,7 +12,7 @@ from bozzetto.geometry.patches import SMOOTH, bernstein
 from bozzetto.plugin import remembered
 from bozzetto.scene import Handle, Hidden, Item, Label, Layer, Lines, Paint, Points
 from bozzetto.view import Camera, triple
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.solver.uncertainty import Source, certainty

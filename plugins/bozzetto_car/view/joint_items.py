@@ -14,7 +14,7 @@ from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
 from bozzetto.scene import Item, Label, Layer, Lines
 from bozzetto.view import triple
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.body.chain_smoothing import own_edges, smooth_parts
 from bozzetto_car.state import CarState
 from bozzetto_car.template.line_joints import Line, is_smooth, lines_at

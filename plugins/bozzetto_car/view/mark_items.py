@@ -18,7 +18,7 @@ from bozzetto.geometry.patches import bernstein
 from bozzetto.scene import Handle, Item, Label, Layer, Lines, Points, Scene
 from bozzetto.view import triple
 from bozzetto.view.calibration import direct_linear_transform
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.marking.next_mark import Asked, asked_of, in_work, node_title

@@ -12,7 +12,8 @@ from bozzetto.geometry import Look
 from bozzetto.plugin import remembered
 from bozzetto.scene import Image, Layer, Lines, Scene, Shaded, in_look
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, is_shown
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import is_shown
 from bozzetto_car.parts.part_list import (
     DIVISIONS,
     added_lines,

@@ -15,7 +15,7 @@ from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
 from bozzetto.scene import Item, Label, Layer, Lines
 from bozzetto.view import triple
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.body.stroke_distances import Miss, misses_of
 from bozzetto_car.marking.next_mark import in_work
 from bozzetto_car.state import CarState

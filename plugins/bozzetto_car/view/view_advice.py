@@ -14,7 +14,8 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Context, ViewAdvice
 from bozzetto.scene import Scene
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, is_shown, sketch_cameras_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import is_shown, sketch_cameras_of
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.marking.mark_mesh import asked_on_mesh
 from bozzetto_car.marking.next_mark import in_work, problem_of

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bozzetto.ink import Stroke
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.camera.visibility import facing
 from bozzetto_car.state import CarState, Mark, Sketch
 from bozzetto_car.template.loader import bundled

@@ -10,7 +10,8 @@ from bozzetto.geometry.patches.patch import Places, points_at
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Ink
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import curve_paths, project_stroke
 from bozzetto_car.styling.curve_fit import Course, courses_on

@@ -210,6 +210,7 @@ def test_one_view_is_never_worse_than_the_template_and_mostly_far_better() -> No
     assert max(ratios.values()) <= WORSE, ratios
     assert np.median(list(ratios.values())) <= 0.6, ratios
     assert ratios["pickup"] <= 0.6
+    assert max(ratios[stem] for stem in PHOTOS) <= 0.75, ratios
 
 
 # -- the designs -----------------------------------------------------------------------------------

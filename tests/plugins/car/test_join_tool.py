@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from bozzetto.errors import UserError
 from bozzetto.plugin import Context, Ink, Tap
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.commands import car_as_template
 from bozzetto_car.modeler import Car
 from bozzetto_car.state import CarState

@@ -15,7 +15,8 @@ from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
 from bozzetto.scene import Handle
 from bozzetto.view import Camera, triple
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.commands import car_as_template
 from bozzetto_car.marking.points_on_mesh import nodes_to_mark

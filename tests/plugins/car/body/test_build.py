@@ -11,8 +11,10 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.patch import grid
 from bozzetto.plugin import Context, Ink
-from bozzetto_car.body import build as body_module
-from bozzetto_car.body.build import Body, body_at_rest_of, body_of, preview_of
+from bozzetto_car.body import deformed, edit_row, reshaped
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
+from bozzetto_car.body.drag_preview import body_at_rest_of, preview_of
 from bozzetto_car.marks_file import car_from_facts
 from bozzetto_car.solver import pipeline as pipeline_module
 from bozzetto_car.state import BentEdge, CarState, MovedNode, Treatment
@@ -293,8 +295,13 @@ def test_a_look_computes_nothing_again(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object, **__: object) -> None:
         raise AssertionError("computed again")
 
-    for name in ("trace_all", "reshaping_of", "lock_ratios"):
-        monkeypatch.setattr(body_module, name, never)
+    for module, name in (
+        (edit_row, "trace_all"),
+        (edit_row, "lock_ratios"),
+        (reshaped, "reshaping_of"),
+        (deformed, "lock_ratios"),
+    ):
+        monkeypatch.setattr(module, name, never)
     for look in (
         {"shading": "zebra"}, {"creases": True}, {"network": False}, {"revealed": "C3"},
         {"asked": "C4"}, {"wheels": False}, {"body": False},
@@ -330,7 +337,7 @@ def test_while_a_share_of_templates_is_dragged_edits_are_carried_along(
     later = replace(state, share=share)
     plain = body_of(replace(later, edits=()))
     with monkeypatch.context() as context:
-        context.setattr(body_module, "trace_all", None)
+        context.setattr(edit_row, "trace_all", None)
         carried = preview_of(later)
     exact = body_of(later)
     assert carried.template is exact.template
@@ -382,7 +389,7 @@ def test_strokes_are_fitted_once_while_a_dimension_is_dragged(
     start = TraceEdges().apply(state, Ink((stroke,)), Context())
     at_rest = body_at_rest_of(start)
     with monkeypatch.context() as context:
-        context.setattr(body_module, "trace_all", None)
+        context.setattr(edit_row, "trace_all", None)
         shown = preview_of(replace(start, length=4700.0))
         exact = body_at_rest_of(replace(start, length=4700.0))
     assert shown.dimensions.length == pytest.approx(4700.0, abs=1e-6)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from bozzetto.ink import arc_length, lift_curve
 from bozzetto.ink.curves.nearest import distances_to_polyline
 from bozzetto.view import Camera
-from bozzetto_car.body.joint_fit import JointFit, Sighting
+from bozzetto_car.body.foot_points import Sighting
+from bozzetto_car.body.joint_fit import JointFit
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.template.loader import bundled
 from bozzetto_car.template.model import MIRROR

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.geometry.patches.crease import crease_angles
@@ -11,11 +14,15 @@ from bozzetto.geometry.patches.patch import extent
 from bozzetto_car.body.dimension_map import Reshaping
 from bozzetto_car.body.stretch import reshaping_of, stretch, undo_stretch
 from bozzetto_car.dimensions import Dimensions, measure_dimensions
+from bozzetto_car.template import fair_patches
 from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import PAPER_TEMPLATES, bundled
 from bozzetto_car.template.network import Network, junctions, with_positions, with_tangents
+from bozzetto_car.template.saddles import bent_one_way
 from tests.plugins.car.sketched import styled
 from tests.plugins.car.traced_car import curve, symmetric
+
+Array = NDArray[np.float64]
 
 MAPS = [
     Reshaping(0.0, 4600.0, (1.05, 0.97, 1.02), (0.30, 0.69)),
@@ -139,3 +146,24 @@ def test_nothing_is_to_be_done_for_what_is_there() -> None:
     assert reshaping_of(network, wanted(network, length=1.0, height=1.0)) is None
     with pytest.raises(UserError, match="Choose"):
         reshaping_of(network, wanted(network, front_overhang=0.3, wheelbase=1.4))
+
+
+def test_patches_are_worked_out_once_for_each_car_that_is_measured(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Neither the car before nor the one that is shown has its patches made again."""
+    made: list[bytes] = []
+
+    def counted(nets: Array, *rest: Any) -> Array:
+        made.append(nets.tobytes())
+        return bent_one_way(nets, *rest)
+
+    monkeypatch.setattr(fair_patches, "bent_one_way", counted)
+    network = car(seed=77)
+    box = extent(fair_nets(network))
+    map_ = mapped(network, wheelbase=1.03, length=1.02)
+    shown = fair_nets(stretch(network, map_))
+    assert len({*made}) == len(made) > 1
+    assert (extent(shown) != box).any()
+    np.testing.assert_array_equal(shown, fair_nets.__wrapped__(stretch.__wrapped__(network, map_)))
+    assert not shown.flags.writeable

@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from bozzetto.ink import Stroke, Strokes, distances_to_polyline
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.body.stroke_distances import misses_of
 from bozzetto_car.camera.sketch_camera import upright_camera
 from bozzetto_car.dimensions import Dimensions

@@ -1,14 +1,12 @@
 """The complete car: a closed body with panes, arches and a floor, and wheels as solids."""
 
 import os
-import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from bozzetto.exchange.cad.step import write_shapes
-from bozzetto.geometry import Shapes, brep_mesh, counted_mesh, meshed
+from bozzetto.geometry import brep_mesh, counted_mesh, meshed
 from bozzetto.geometry.patches import Places, foot_points, points_at
 from bozzetto_car.body.build import body_of
 from bozzetto_car.body.fair_lines import fair_network
@@ -31,6 +29,7 @@ from bozzetto_car.template.fair_patches import fair_nets
 from bozzetto_car.template.loader import TEMPLATES
 from tests.plugins.car.held_out import near_template
 from tests.plugins.car.marked_car import marked
+from tests.plugins.car.offsets import offset_by_open_cascade
 
 
 def volume(mesh) -> float:
@@ -208,53 +207,15 @@ def test_shut_lines_lie_on_the_surface_and_end_at_the_arches():
     assert {"Shut line S3-B3 right", "Shut line S3-B3 left"} <= {name for name, _ in lines}
 
 
-OFFSET = """
-import sys
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepGProp import BRepGProp
-from OCP.BRepOffset import BRepOffset_Skin
-from OCP.BRepOffsetAPI import BRepOffsetAPI_MakeOffsetShape
-from OCP.GeomAbs import GeomAbs_Arc
-from OCP.GProp import GProp_GProps
-from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_SOLID
-from OCP.TopExp import TopExp_Explorer
-
-def measured(shape, how):
-    found = GProp_GProps()
-    how(shape, found)
-    return found.Mass()
-
-reader = STEPControl_Reader()
-reader.ReadFile(sys.argv[1])
-reader.TransferRoots()
-body = TopExp_Explorer(reader.OneShape(), TopAbs_SOLID).Current()
-maker = BRepOffsetAPI_MakeOffsetShape()
-maker.PerformByJoin(body, 2.0, 0.01, BRepOffset_Skin, False, False, GeomAbs_Arc)
-made = maker.Shape()
-volume, area = BRepGProp.VolumeProperties_s, BRepGProp.SurfaceProperties_s
-grown = measured(made, volume) - measured(body, volume)
-print(maker.IsDone(), BRepCheck_Analyzer(made).IsValid(), grown / (2.0 * measured(body, area)))
-"""
-"""Offsets the first solid of a STEP file by 2 mm, and says whether that is done and valid, and its
-growth relative to 2 mm times the area."""
-
-
 @pytest.mark.interop
 @pytest.mark.parametrize(
     "name",
     ["sedan", "hatchback", "minivan", "estate", "coupe", "limousine", "city_car", "suv", "pickup"],
 )
-def test_open_cascade_offsets_a_closed_body_by_two_millimetres(name, tmp_path):
+def test_open_cascade_offsets_a_closed_body_by_two_millimetres(name):
     python = os.environ.get("BOZZETTO_CAD_READERS")
     if not python:
         pytest.skip("BOZZETTO_CAD_READERS names no Python with the readers")
     car = body(name)
-    path = tmp_path / "body.step"
-    path.write_bytes(write_shapes(Shapes(breps=(closed_body(car.network, car.nets),))))
-    told = subprocess.run(
-        [python, "-c", OFFSET, str(path)], capture_output=True, text=True, check=True
-    )
-    done, valid, growth = told.stdout.split()[-3:]
-    assert (done, valid) == ("True", "True")
-    assert 0.95 < float(growth) < 1.15
+    made = offset_by_open_cascade(closed_body(car.network, car.nets), python)
+    assert made.is_sound, made

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from bozzetto.ink import Stroke, Strokes
 from bozzetto_car.body.build import body_of
+from bozzetto_car.body.stroke_distances import stroke_distances
 from bozzetto_car.dimensions import Dimensions
 from bozzetto_car.marks_file import car_from_facts
+from bozzetto_car.solver import pipeline
 from bozzetto_car.solver.pipeline import solve_car
 from bozzetto_car.solver.stroke_ends import sharpened
 from bozzetto_car.state import CarState, MovedNode, TracedEdges
@@ -99,6 +101,24 @@ def test_steady_strokes_tell_the_car_better_than_unsteady_marks() -> None:
         ]
         ratios.append(errors[1] / errors[0])
     assert np.median(ratios) < 0.95, ratios
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "name"), list(enumerate(TEMPLATES)))
+def test_no_stroke_is_met_worse_by_more_than_a_pixel(
+    number: int, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of cars that no constant was chosen with, drawn with the hand of the tables."""
+    made = drawn(bundled(name), 1420 + number, (FRONT_QUARTER, REAR_QUARTER))
+    state = car_from_facts(made.marks_file(), {})
+    worst = []
+    for told in (sharpened, lambda sketch, _: sketch):
+        monkeypatch.setattr(pipeline, "sharpened", told)
+        body = body_of(state)
+        rows = [stroke_distances(body, state.edits, sketch.id) for sketch in state.sketches]
+        worst.append(max(px for row in rows for px in row.values()))
+    assert worst[0] != worst[1]
+    assert worst[0] <= worst[1] + 1.0
 
 
 def test_a_mark_that_is_dragged_moves_the_body_without_a_leap(car: CarState) -> None:

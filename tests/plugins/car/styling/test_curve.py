@@ -19,7 +19,8 @@ from bozzetto.ink.curves.resample import arc_length
 from bozzetto.scene import Layer, Scene, Shaded
 from bozzetto.scene.picking import cast_rays
 from bozzetto.view import Camera
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve import curve_paths, mirror_curve, project_stroke
 from bozzetto_car.styling.stroke_line import smooth_line

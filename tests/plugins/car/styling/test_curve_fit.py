@@ -11,7 +11,8 @@ from scipy.interpolate import BSpline
 
 from bozzetto.geometry import Curve
 from bozzetto.geometry.patches.patch import points_at
-from bozzetto_car.body.build import Body, body_of
+from bozzetto_car.body.body import Body
+from bozzetto_car.body.build import body_of
 from bozzetto_car.state import CarState, StylingCurve
 from bozzetto_car.styling.curve_fit import as_curves, spline_of
 from bozzetto_car.template.loader import PAPER_TEMPLATES

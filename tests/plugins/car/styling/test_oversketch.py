@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bozzetto.errors import UserError
 from bozzetto.ink.curves.nearest import distances_to_polyline
-from bozzetto_car.body.build import Body
+from bozzetto_car.body.body import Body
 from bozzetto_car.state import StylingCurve
 from bozzetto_car.styling.curve import project_stroke
 from bozzetto_car.styling.curve_fit import as_curves
