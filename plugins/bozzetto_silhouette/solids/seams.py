@@ -8,6 +8,7 @@ from bozzetto.arrays import Array, Flags, Index
 from bozzetto_silhouette.implicit.implicit_solid import Implicit
 from bozzetto_silhouette.numerics.grouping import connected_pieces
 from bozzetto_silhouette.solids.batched_answers import each
+from bozzetto_silhouette.solids.evening import Sewn, Zone, even, evened
 from bozzetto_silhouette.solids.on_surface import (
     ROOM,
     Places,
@@ -17,7 +18,6 @@ from bozzetto_silhouette.solids.on_surface import (
     rows_by_number,
     settled,
 )
-from bozzetto_silhouette.solids.seam_evening import Sewn, Zone, even, evened
 
 EVENINGS = 3
 """Rounds of evening out after that."""
