@@ -36,7 +36,7 @@ class Membrane:
     def of(cls, plan: Plan) -> Membrane:
         """Make a membrane that is held at the plan's rim."""
         elements, rim = Elements.of(plan), len(plan.after)
-        return cls(plan, elements.mass[rim:], factorised(elements.stiffness()[rim:, rim:]))
+        return cls(plan, elements.mass[rim:], factorised(elements.stiffness(first=rim)))
 
     def blown(self, pressure: Array | float) -> Array:
         """Solve for the shape u (n,), 0 on the rim, under a pressure at the inner points."""

@@ -10,10 +10,18 @@ from itertools import pairwise
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
-
-SPACING = 3e-3
-"""Resampling before the filter, as a share of the size."""
+from bozzetto.arrays import Array
+from bozzetto_silhouette.ink.ring_fits import (
+    CORNER_TURN,
+    SPACING,
+    corners_of,
+    differing_bends,
+    faded_in,
+    quadratic,
+    resampled,
+    widened,
+    with_corners,
+)
 
 UNNOTICED = 4e-4
 """Noise below this share of the size is left alone, unless it is that of the grain."""
@@ -41,9 +49,6 @@ IRREGULAR = 0.75
 WIDER = (1.4, 2.0, 2.8)
 """Half widths of further fits, in those of the first: where they tell the same they are calmer."""
 
-WIDEST = 40
-"""The same in samples, at most."""
-
 SURE = 1.5
 """Standard deviations of the first fit by which a wider one may differ from it."""
 
@@ -64,17 +69,6 @@ _PASSES = 3
 
 _TO_AND_FRO = 6.0
 
-_CORNER_TURN = np.deg2rad(55.0)
-"""A sample where the smoothed direction turns by more, over the window, is a corner."""
-
-
-def _resampled(ring: Array, spacing: float) -> Array:
-    closed = np.vstack([ring, ring[:1]])
-    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-    count = max(round(arc[-1] / spacing), 12)
-    at = arc[-1] * np.arange(count) / count
-    return np.stack([np.interp(at, arc, closed[:, k]) for k in (0, 1)], axis=1)
-
 
 def noise_of(ring: Array) -> float:
     """Estimate the high-frequency deviation of a ring's samples, robust to corners.
@@ -87,21 +81,15 @@ def noise_of(ring: Array) -> float:
     Notes
     -----
     The sine of the turn, alternating in sign, is what jitter adds to a smooth line: the
-    estimate is the median deviation of each vertex from the line through its neighbours
-    minus what both neighbours agree on (curvature).
+    estimate is the median of `differing_bends`.
     """
     edge = np.roll(ring, -1, axis=0) - ring
     length = np.hypot(edge[:, 0], edge[:, 1])
-    chord = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
-    span = np.maximum(np.hypot(chord[:, 0], chord[:, 1]), 1e-12)
-    away = ring - np.roll(ring, 1, axis=0)
-    bend = (away[:, 0] * chord[:, 1] - away[:, 1] * chord[:, 0]) / span
-    # On a smooth line neighbours bend alike; jitter makes them differ.
-    differ = bend - 0.5 * (np.roll(bend, 1) + np.roll(bend, -1))
+    differ = differing_bends(ring)
     usable = length < DENSE
     if usable.mean() < 0.7 and _is_sparse_ink(length, differ):
         # What joins its ends lies closer and does not tremble.
-        usable = (length < SPARSE) & (length > 0.3 * _by_length(length, 0.9))
+        usable = (length < SPARSE) & (length > 0.3 * by_length(length, 0.9))
     # Long edges between short ones: a polygon given by its corners, not ink.
     elif usable.mean() < 0.7:
         return 0.0
@@ -112,12 +100,12 @@ def noise_of(ring: Array) -> float:
 
 def _is_sparse_ink(length: Array, differ: Array) -> bool:
     """Whether longer edges are ink of a fast pen: even, and bent at random, unlike cogs."""
-    short, long = _by_length(length, 0.1), _by_length(length, 0.9)
+    short, long = by_length(length, 0.1), by_length(length, 0.9)
     little, median = np.quantile(np.abs(differ[length > 0.3 * long]), (0.25, 0.5))
     return bool(long < min(SPARSE, EVEN * short) and little < IRREGULAR * median)
 
 
-def _by_length(length: Array, share: float) -> float:
+def by_length(length: Array, share: float) -> float:
     """Return the length of the edge that a share of the way round a ring is on shorter ones."""
     ordered = np.sort(length)
     way = np.cumsum(ordered)
@@ -164,7 +152,7 @@ def _rounded(ring: Array) -> Array:
     """
     edge = np.roll(ring, -1, axis=0) - ring
     length = np.hypot(edge[:, 0], edge[:, 1])
-    short, long = _by_length(length, 0.1), _by_length(length, 0.9)
+    short, long = by_length(length, 0.1), by_length(length, 0.9)
     if not FACETS < long < min(SPARSE * 1.5, EVEN * short):
         return ring
     heading = np.arctan2(edge[:, 1], edge[:, 0])
@@ -173,7 +161,7 @@ def _rounded(ring: Array) -> Array:
         return ring
     from scipy.interpolate import CubicSpline  # most ink is dense, and importing it takes long
 
-    corners = np.flatnonzero(turn > _CORNER_TURN)
+    corners = np.flatnonzero(turn > CORNER_TURN)
     first = int(corners[0]) if len(corners) else 0
     closed = np.roll(ring, -first, axis=0)
     closed = np.vstack([closed, closed[:1]])
@@ -203,97 +191,21 @@ def _filtered_once(ring: Array, noise: float, farthest: float = np.inf) -> Array
     # Where samples lie closer than the jitter is wide, the line runs to and fro: averaging
     # the samples themselves first gives a line whose length means something.
     spacing = float(np.median(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))
-    apart = _by_length(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T), 0.5)
+    apart = by_length(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T), 0.5)
     if spacing < _TO_AND_FRO * noise:
         half = int(np.clip(round(2.0 * _TO_AND_FRO * noise / spacing), 2, 10))
-        ring = _quadratic(ring, half)
-    dense = _resampled(ring, SPACING)
+        ring = quadratic(ring, half)
+    dense = resampled(ring, SPACING)
     half = int(np.clip(round(4.0 * np.sqrt(noise / UNNOTICED)), *_HALF_WINDOW))
     half = max(half, round(LEAST_SAMPLES * apart / SPACING))
     if len(dense) < 4 * half:
         return ring
-    calm = _quadratic(dense, half)
-    corners = _corners(calm, half)
-    result = _calmer(
-        dense, calm, half, corners, noise * 1.5 * np.sqrt(apart / SPACING / (2 * half + 1))
-    )
-    offsets = np.arange(-half, half + 1)
-    for corner in corners.tolist():
-        # Around a corner each side is fitted by itself, right up to it.
-        around = (corner + offsets) % len(dense)
-        for side in (offsets[offsets <= 0], offsets[offsets >= 0]):
-            where = (corner + side) % len(dense)
-            fit = np.polynomial.polynomial.polyfit(side, dense[where], 2 if half > 4 else 1)
-            result[where] = np.polynomial.polynomial.polyval(side, fit).T
-        result[around[half]] = dense[corner]
+    calm = quadratic(dense, half)
+    corners = corners_of(calm, half)
+    doubt = noise * 1.5 * np.sqrt(apart / SPACING / (2 * half + 1))
+    result = widened(dense, calm, corners, half, WIDER, SURE * doubt)
+    result = with_corners(dense, result, corners, half)
     near = np.hypot(*(result - dense).T) < farthest
     if near.all():
         return result
-    return np.asarray(dense + _faded_in(near, half)[:, None] * (result - dense))
-
-
-def _calmer(dense: Array, calm: Array, half: int, corners: Index, doubt: float) -> Array:
-    """Widen the windows of fits where that tells no other shape, as far as it does not.
-
-    After the intersection of confidence intervals (Goldenshluger and Nemirovski, 1997).
-
-    Parameters
-    ----------
-    dense, calm : (n, 2) float array
-        The ring, and the fit of the narrowest window.
-    half : int
-        Half width of that.
-    corners : (k,) int array
-        Where neither is widened.
-    doubt : float
-        Its standard deviation.
-    """
-    count = len(dense)
-    widths = [w for w in (round(half * wide) for wide in WIDER) if w <= min(WIDEST, count // 8)]
-    gap = _from_marked(count, corners)
-    result, open_to = calm, np.ones(count, bool)
-    for width in widths:
-        fit = _quadratic(dense, width)
-        same = np.hypot(*(fit - calm).T) < SURE * doubt
-        open_to = open_to & same & (gap > width)
-        weight = _faded_in(open_to, half)
-        result = result + weight[:, None] * (fit - result)
-    return result
-
-
-def _from_marked(count: int, marked: Index) -> Index:
-    """Count the samples from each of a ring to the nearest marked one."""
-    if not len(marked):
-        return np.full(count, count)
-    away = np.abs(np.arange(count)[:, None] - marked)
-    nearest: Index = np.minimum(away, count - away).min(axis=1)
-    return nearest
-
-
-def _faded_in(inside: Flags, width: int) -> Array:
-    """Return weights (n,) that rise smoothly from 0 where a cyclic mask begins to 1 within it."""
-    t = np.clip((_from_marked(len(inside), np.flatnonzero(~inside)) - 1.0) / width, 0.0, 1.0)
-    weight: Array = t * t * (3.0 - 2.0 * t)
-    return weight
-
-
-def _quadratic(points: Array, half: int) -> Array:
-    """Smooth a closed ring by Savitzky and Golay, quadratic, window 2 half + 1."""
-    k = np.arange(-half, half + 1)
-    design = np.stack([np.ones_like(k), k, k**2], axis=1).astype(np.float64)
-    kernel = np.linalg.pinv(design)[0]
-    padded = np.concatenate([points[-half:], points, points[:half]])
-    return np.stack([np.convolve(padded[:, c], kernel, mode="valid") for c in (0, 1)], axis=1)
-
-
-def _corners(ring: Array, half: int) -> Index:
-    """Find local maxima of the turn over the window, above the corner angle."""
-    ahead = np.roll(ring, -half, axis=0) - ring
-    behind = ring - np.roll(ring, half, axis=0)
-    turn = np.abs(
-        np.arctan2(
-            behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], (behind * ahead).sum(axis=1)
-        )
-    )
-    highest = np.max([np.roll(turn, k) for k in range(-half, half + 1)], axis=0)
-    return np.flatnonzero((turn >= highest) & (turn > _CORNER_TURN))
+    return np.asarray(dense + faded_in(near, half)[:, None] * (result - dense))

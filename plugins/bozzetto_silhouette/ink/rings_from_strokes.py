@@ -18,6 +18,7 @@ from bozzetto_silhouette.ink.jitter_filter import filtered
 from bozzetto_silhouette.ink.joints import joint, self_joint
 from bozzetto_silhouette.ink.self_intersections import rings_that_cross, untangled
 from bozzetto_silhouette.ink.sketch_ring import sketched_ring
+from bozzetto_silhouette.ink.tremor_filter import without_tremor
 
 MOST_STROKES = 1_000
 """Strokes of one part; the nesting of their outlines is looked for pair by pair."""
@@ -63,7 +64,11 @@ _REDRAW = "The outline crosses itself at the marked place. Draw it again, or lif
 
 
 def rings_from_strokes(
-    strokes: Sequence[ArrayLike], *, tolerance: float | None = None, grain: float = 0.0
+    strokes: Sequence[ArrayLike],
+    *,
+    tolerance: float | None = None,
+    grain: float = 0.0,
+    by_hand: bool = True,
 ) -> list[Array]:
     """Turn strokes into closed simple rings that do not cross each other.
 
@@ -76,6 +81,8 @@ def rings_from_strokes(
     grain : float
         Distance of the places that samples can have, where they were rounded to whole pixels,
         in the same unit; 0 where they were not.
+    by_hand : bool
+        Whether a hand drew them, which trembles; curves of a file do not.
 
     Returns
     -------
@@ -109,15 +116,16 @@ def rings_from_strokes(
     lines = [thinned((s - middle) / size) for s in given]
     lines = [s for s in lines if len(s) >= 2 and np.ptp(s, axis=0).max() > SMALLEST]
     noise = None if tolerance is None else tolerance / size
+    trembling = by_hand and tolerance is None
     chains = _chains([without_hooks(s) for s in without_folds(without_touch_ups(lines))])
     try:
-        clean = _simple([_closed(chain) for chain in chains], noise, grain / size)
+        clean = _simple([_closed(chain) for chain in chains], noise, grain / size, trembling)
     except UserError as problem:
         sketched = sketched_ring(lines)
         if sketched is None:
             places = [(float(x), float(y)) for x, y in np.array(problem.places) * size + middle]
             raise UserError(problem.message, places=places) from None
-        clean = _simple([sketched], noise, grain / size)
+        clean = _simple([sketched], noise, grain / size, trembling)
     if not clean:
         raise UserError(
             "This line encloses nothing. Draw around the shape and come back to the start.",
@@ -126,7 +134,7 @@ def rings_from_strokes(
     return [r * size + middle for r in clean]
 
 
-def _simple(rings: list[Array], noise: float | None, grain: float) -> list[Array]:
+def _simple(rings: list[Array], noise: float | None, grain: float, trembling: bool) -> list[Array]:
     """Filter rings; return those that enclose something, without small loops.
 
     Raises
@@ -137,7 +145,8 @@ def _simple(rings: list[Array], noise: float | None, grain: float) -> list[Array
     rings = [r if len(r) <= MOST_SAMPLES else thinned(r) for r in rings if len(r) >= 3]
     clean: list[Array] = []
     for ring in rings:
-        simple, crossings = untangled(filtered(ring, noise, grain))
+        calm = filtered(ring, noise, grain)
+        simple, crossings = untangled(without_tremor(calm) if trembling else calm)
         if len(crossings):
             raise UserError(_REDRAW, places=[(float(x), float(y)) for x, y in crossings])
         if simple is not None:

@@ -163,8 +163,8 @@ def _edge_keys(a: Index, b: Index, n: int) -> Index:
     return np.minimum(a, b) * n + np.maximum(a, b)
 
 
-def _tile(points: Array, after: Index, distance: RimDistance) -> tuple[Index, Index]:
-    """Return Delaunay triangles inside, and the rim samples whose outgoing edge is missing."""
+def _delaunay(points: Array, after: Index) -> tuple[Index, Index]:
+    """Return Delaunay triangles, and the rim samples whose outgoing edge is missing."""
     from scipy.spatial import Delaunay
 
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
@@ -182,25 +182,34 @@ def _tile(points: Array, after: Index, distance: RimDistance) -> tuple[Index, In
         one, other = one[both], other[both]
         absent[one[after[one] == other]] = False
         absent[other[after[other] == one]] = False
-    missing = np.flatnonzero(absent)
+    return triangles, np.flatnonzero(absent)
+
+
+def _inside(points: Array, triangles: Index, after: Index, distance: RimDistance) -> Index:
+    """Return the triangles that lie inside."""
     # A triangle with a vertex inside is inside, as all rim edges are there to stop it.
-    doubtful = np.flatnonzero((triangles < m).all(axis=1))
+    doubtful = np.flatnonzero((triangles < len(after)).all(axis=1))
     inside = np.ones(len(triangles), dtype=bool)
     if len(doubtful):
         inside[doubtful] = _rim_triangles_inside(points, triangles[doubtful], after, distance)
-    return triangles[inside], missing
+    return triangles[inside]
 
 
 def _rim_triangles_inside(
     points: Array, triangles: Index, after: Index, distance: RimDistance
 ) -> Flags:
     """Mark which triangles, whose corners all lie on the rim, are inside."""
-    inside = distance(points[triangles].mean(axis=1)).distance > 0
     # A rim edge run forwards by a counter-clockwise triangle has it on its left: inside,
     # beyond any rounding. Run backwards: outside.
+    inside, told = np.zeros((2, len(triangles)), dtype=bool)
     for i in range(3):
         a, b = triangles[:, i], triangles[:, (i + 1) % 3]
-        inside = np.where(after[a] == b, True, np.where(after[b] == a, False, inside))
+        ahead, back = after[a] == b, after[b] == a
+        inside = np.where(ahead, True, np.where(back, False, inside))
+        told |= ahead | back
+    rest = np.flatnonzero(~told)
+    if len(rest):
+        inside[rest] = distance(points[triangles[rest]].mean(axis=1)).distance > 0
     return inside
 
 
@@ -246,13 +255,17 @@ def plan_of(rim: Rim, ridge: Array, step: float) -> Plan:
     lattice = _lattice(rim, distance, last, step)
     inner = np.concatenate([rows, lattice])
     inner = np.concatenate([inner, _ridge(ridge, rim, distance, np.vstack([points, inner]), step)])
+    triangles, missing = _delaunay(np.vstack([points, inner]), after)
     for _ in range(_REPAIRS):
-        triangles, missing = _tile(np.vstack([points, inner]), after, distance)
         if not len(missing):
             break
         points, after, inner = _mended(points, after, inner, missing)
+        triangles, missing = _delaunay(np.vstack([points, inner]), after)
+    if len(points) > len(rim.points):
         distance = RimDistance(points, after)
-    vertices, triangles, split = _split_chords(np.vstack([points, inner]), triangles, after)
+    vertices = np.vstack([points, inner])
+    triangles = _inside(vertices, triangles, after, distance)
+    vertices, triangles, split = _split_chords(vertices, triangles, after)
     return Plan(vertices, triangles, after, split)
 
 

@@ -59,14 +59,24 @@ class Elements:
         mass: Array = np.bincount(corners, shares, len(plan.points)).astype(np.float64)
         return cls(plan, local, mass)
 
-    def stiffness(self, weight: Array | None = None) -> csc_array[Any]:
-        """Assemble the matrix (n, n), each triangle multiplied by its weight (t,)."""
+    def stiffness(self, weight: Array | None = None, first: int = 0) -> csc_array[Any]:
+        """Assemble the matrix (n, n), each triangle multiplied by its weight (t,).
+
+        Only the rows and columns from `first` on: (n - first, n - first).
+        """
         from scipy.sparse import coo_array
 
-        t, count = self.plan.triangles, len(self.plan.points)
+        t, count = self.plan.triangles - first, len(self.plan.points) - first
         local = self.local if weight is None else self.local * weight[:, None, None]
-        rows, columns = np.repeat(t, 3, axis=1).ravel(), np.tile(t, (1, 3)).ravel()
-        matrix = coo_array((local.ravel(), (rows, columns)), shape=(count, count)).tocsc()
+        rows, columns, shares = (
+            np.repeat(t, 3, axis=1).ravel(),
+            np.tile(t, (1, 3)).ravel(),
+            local.ravel(),
+        )
+        if first:
+            inner = (rows >= 0) & (columns >= 0)
+            rows, columns, shares = rows[inner], columns[inner], shares[inner]
+        matrix = coo_array((shares, (rows, columns)), shape=(count, count)).tocsc()
         return matrix
 
 

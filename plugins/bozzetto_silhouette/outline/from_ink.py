@@ -81,7 +81,8 @@ def _after(ink_and_edits: Hashable, part: Part, before: Rings, count: int) -> Ri
     lines = points_on_sheet(strokes, part.sheet)
     try:
         if edit is None:
-            return tuple(rings_from_strokes(lines, grain=_grain(strokes, lines)))
+            by_hand = any(stroke.tool != "imported" for stroke in strokes)
+            return tuple(rings_from_strokes(lines, grain=_grain(strokes, lines), by_hand=by_hand))
         return edited(before, edit, lines[0])
     except UserError as problem:
         if not problem.places:

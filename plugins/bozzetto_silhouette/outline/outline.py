@@ -164,14 +164,14 @@ def outline_from_rings(rings: Sequence[ArrayLike]) -> Outline:
 
 
 def outline_from_strokes(
-    strokes: Sequence[ArrayLike], *, tolerance: float | None = None
+    strokes: Sequence[ArrayLike], *, tolerance: float | None = None, by_hand: bool = True
 ) -> Outline:
     """Turn pen strokes into filtered, closed, nested rings.
 
     Gaps are closed, overlapping ends trimmed at their crossing, hooks cut off, repeated
     samples dropped, jitter filtered without rounding corners, and an outline drawn in
     several strokes is joined, whatever their order and direction. Exact polygons pass
-    through unchanged.
+    through unchanged, smooth curves of a file if they are said to be no hand's.
 
     Parameters
     ----------
@@ -180,6 +180,8 @@ def outline_from_strokes(
     tolerance : float, optional
         Deviation from the ink that counts as jitter, in the same unit. By default it is
         measured on the ink itself.
+    by_hand : bool
+        Whether a hand drew them, which trembles; curves of a file do not.
 
     Returns
     -------
@@ -193,4 +195,4 @@ def outline_from_strokes(
     """
     from bozzetto_silhouette.ink.rings_from_strokes import rings_from_strokes
 
-    return outline_from_rings(rings_from_strokes(strokes, tolerance=tolerance))
+    return outline_from_rings(rings_from_strokes(strokes, tolerance=tolerance, by_hand=by_hand))

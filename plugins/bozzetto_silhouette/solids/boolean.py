@@ -19,8 +19,9 @@ from bozzetto_silhouette.numerics.handle_removal import without_narrow_handles
 from bozzetto_silhouette.solids.assembly import Assembly, assembled, remade, restricted
 from bozzetto_silhouette.solids.body import Body, meet
 from bozzetto_silhouette.solids.contacts import Apart, Contact, contacts
+from bozzetto_silhouette.solids.evening import Sewn
 from bozzetto_silhouette.solids.fillet import fillets_of
-from bozzetto_silhouette.solids.seams import Sewn, sewn
+from bozzetto_silhouette.solids.seams import sewn
 from bozzetto_silhouette.solids.strips import Stitched, stitched
 from bozzetto_silhouette.solids.union_mesh import UnionMesh, found, union_mesh
 from bozzetto_silhouette.solids.variational_csg import variational_combined

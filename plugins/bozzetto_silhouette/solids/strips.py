@@ -17,7 +17,9 @@ from bozzetto_silhouette.inflation.manifold_check import volume_of
 from bozzetto_silhouette.numerics.isotropic_remeshing import cross, dot
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.contacts import Apart, Contact, Pair
-from bozzetto_silhouette.solids.seams import OFF, RINGS, SPREAD, Sewn, settled, with_even
+from bozzetto_silhouette.solids.evening import Sewn
+from bozzetto_silhouette.solids.on_surface import OFF, settled
+from bozzetto_silhouette.solids.seams import RINGS, SPREAD, with_even
 from bozzetto_silhouette.solids.strip_borders import cut_meshes
 from bozzetto_silhouette.solids.strip_nets import Net, mean_edges
 from bozzetto_silhouette.solids.strip_rows import Strips

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -33,11 +33,8 @@ from bozzetto_symmetry.model.symmetry_plane import CentrePlane
 from bozzetto_symmetry.solve.canvas_fit import fitted_in_plane, fitted_on_surface
 from bozzetto_symmetry.solve.curve_fit import Fit, sampled
 from bozzetto_symmetry.solve.notices import is_undecided, lies_in_either, notices, off_the_ink
+from bozzetto_symmetry.solve.view_agreement import agree, facing, main_view, tree_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
-
 
 WAITING: Final = "One side waits for the other. Draw its mirror image, here or in another view."
 
@@ -114,16 +111,9 @@ class Trace:
     planes: int = 0
 
 
-AGREED: Final = 0.1
-"""Greatest median distance, in sizes of the curve, between the places that two views give it;
-beyond that the worse view's reading is a mistake, and only its ink counts."""
-
 ALONGSIDE: Final = 20.0
 """Mean distance, px, within which a stroke shows one half of a curve across the plane; what
 runs over both halves is farther from each."""
-
-EVIDENCE: Final = ("pair", "self", "plane")
-"""Readings, ordered by how unlikely each is to be a mistake of a view with little ink."""
 
 
 AMBIGUOUS: Final = 1.5
@@ -239,7 +229,7 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
     if across is not None:
         number, pair = across
         readings[number] = (pair, *readings[number])
-    main = _main(readings)
+    main = main_view(readings)
     first = _chosen(readings[main], curve.other)
     if first.reading == "half":
         warnings = first.warnings or (WAITING,)
@@ -249,8 +239,8 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         if number == main:
             continue
         alike_here = (r for r in found if (r.reading, r.closed) == (first.reading, first.closed))
-        facing = (_facing(r, first) for r in alike_here)
-        same = next((r for r in facing if _agree(r, first)), None)
+        turned = (facing(r, first) for r in alike_here)
+        same = next((r for r in turned if agree(r, first)), None)
         if same is not None:
             alike[number] = same
     fit = _fitted(views, alike, main, curve.detail)
@@ -292,62 +282,9 @@ def _across_views(
     return pair_across(seen, [found[0].cost for found in readings], box)
 
 
-def _main(readings: Sequence[Sequence[Read]]) -> int:
-    """Return the view that says best what the curve is: two sides say more than one stroke."""
-    solved = [k for k, found in enumerate(readings) if found[0].reading != "half"]
-    if not solved:
-        return 0
-    return min(
-        solved, key=lambda k: (EVIDENCE.index(readings[k][0].reading), _trouble(readings[k][0]))
-    )
-
-
-def _trouble(reading: Read) -> float:
-    """Return the median variance of what one view says, mm² per px²."""
-    return float(np.median(np.trace(reading.covariances, axis1=1, axis2=2)))
-
-
 def _chosen(found: Sequence[Read], other: bool) -> Read:
     real = [r for r in found if r.reading != "half"]
     return real[1] if other and len(real) > 1 else found[0]
-
-
-def _facing(found: Read, first: Read) -> Read:
-    """Return a reading with the same half in front as the first one has.
-
-    In this view the other side may have been drawn first.
-    """
-    if first.reading == "plane":
-        return found
-    image = found.points * MIRROR
-    if first.reading == "pair":
-        tree = _tree(first.points)
-        turned = bool(np.median(tree.query(image)[0]) < np.median(tree.query(found.points)[0]))
-    else:
-        turned = _side(found) != _side(first)
-    if not turned:
-        return found
-    reflected = found.covariances * (MIRROR[:, None] * MIRROR)
-    return replace(found, points=image, covariances=reflected, near=found.far, far=found.near)
-
-
-def _agree(found: Read, first: Read) -> bool:
-    """Return whether two views put a curve in about the same place."""
-    extent = float(np.linalg.norm(np.ptp(first.points, axis=0)))
-    apart = [_tree(a).query(b)[0] for a, b in ((found.points, first.points),
-                                               (first.points, found.points))]  # fmt: skip
-    return bool(max(np.median(each) for each in apart) < AGREED * extent)
-
-
-def _side(across: Read) -> bool:
-    """Return whether the half that was drawn first is on the positive side."""
-    return bool(across.points[: len(across.points) // 2, 1].sum() > 0.0)
-
-
-def _tree(points: Array) -> cKDTree:
-    from scipy.spatial import cKDTree
-
-    return cKDTree(points)
 
 
 def _meant(
@@ -430,4 +367,4 @@ def _ghost(
 def _carried(base: Trace, curve: SpaceCurve) -> tuple[Array, Array]:
     """Return places of a changed curve, with the uncertainty of the nearest old ones."""
     points = sampled(curve.spline)
-    return points, base.sigma[_tree(base.points).query(points)[1]]
+    return points, base.sigma[tree_of(base.points).query(points)[1]]

@@ -23,6 +23,7 @@ HANDS = {
     "a mouse": Hand(grain=1.0),
     "a mouse, trembling": Hand(tremor=1.2, drift=4.0, grain=1.0, miss=14.0),
     "a pen, up to four strokes": Hand(grain=0.5, miss=10.0, strokes=4),
+    "a slow pen, 6 to 12 waves a second": Hand(tremor=0.0, waves=0.6, rate=200.0, pace=0.4),
 }
 TIMES = 3
 FIRST_SEED = 9_610_000

@@ -28,6 +28,19 @@ def trembling(random: np.random.Generator, count: int, tremor: float) -> Array:
     return np.column_stack([np.convolve(noise[:, k], kernel, "valid") for k in (0, 1)])
 
 
+def wavering(random: np.random.Generator, when: Array, tremor: float) -> Array:
+    """Return the deviation of a hand that trembles six to twelve times a second, (n, 2) px.
+
+    Five waves of the physiological tremor (Elble and Koller, *Tremor*, 1990), however often samples
+    are taken, at times `when` (n,) in seconds.
+    """
+    rate = random.uniform(6.0, 12.0, 5)
+    phase = random.uniform(0.0, 2.0 * np.pi, (5, 2))
+    size = random.normal(0.0, tremor * np.sqrt(2.0 / 5.0), (5, 2))
+    waves = np.sin(2.0 * np.pi * rate[:, None] * when[:, None, None] + phase)
+    return np.asarray((size * waves).sum(axis=1))
+
+
 def ellipse(random: np.random.Generator, tremor: float) -> Array:
     """Return an ellipse by one stroke that stops up to a sixteenth early or late, (n, 2) px."""
     wide, high = 0.5 * SIZE, 0.5 * SIZE * random.uniform(0.5, 1.0)
@@ -109,6 +122,12 @@ class Hand:
         How far a stroke may end early or late, px; it lands a quarter of that beside.
     strokes : int
         At most.
+    waves : float
+        Tremor of six to twelve waves a second, px.
+    rate : float
+        Samples in a second.
+    pace : float
+        Speed, as a share of `PACE`.
     """
 
     tremor: float = 0.5
@@ -116,10 +135,10 @@ class Hand:
     grain: float = 0.1
     miss: float = 9.0
     strokes: int = 1
+    waves: float = 0.0
+    rate: float = 120.0
+    pace: float = 1.0
 
-
-RATE = 120.0
-"""Samples in a second."""
 
 PACE = (120.0, 900.0)
 """Speed of the pen in bends and on straight ways, px/s; between, by the cube root of the curvature
@@ -142,7 +161,7 @@ def drawn_after(random: np.random.Generator, ring: Array, hand: Hand) -> tuple[A
     ahead, behind = (np.roll(meant, k, axis=0) - meant for k in (-6, 6))
     bend = np.abs(np.angle(-(ahead @ (1, 1j)) / (behind @ (1, 1j)))) / (6.0 * WAY)
     bend = np.convolve(np.tile(bend, 3), np.full(24, 1.0 / 24.0), "same")[count : 2 * count]
-    speed = np.clip(180.0 * np.maximum(bend, 1e-3) ** (-1.0 / 3.0), *PACE)
+    speed = hand.pace * np.clip(180.0 * np.maximum(bend, 1e-3) ** (-1.0 / 3.0), *PACE)
     begin = int(random.integers(count))
     cuts = [0]
     if hand.strokes > 1:
@@ -154,11 +173,13 @@ def drawn_after(random: np.random.Generator, ring: Array, hand: Hand) -> tuple[A
         early = round(random.uniform(-0.5, 0.5) * hand.miss / WAY) if len(cuts) > 1 else 0
         way = (begin + np.arange(start + early, stop + late)) % count
         when = np.concatenate([[0.0], np.cumsum(WAY / speed[way[1:]])])
-        at = np.arange(0.0, when[-1], 1.0 / RATE)
+        at = np.arange(0.0, when[-1], 1.0 / hand.rate)
         if len(at) < 3:
             continue
         line = np.column_stack([np.interp(at, when, meant[way, k]) for k in (0, 1)])
         line += trembling(random, len(line), hand.tremor)
+        if hand.waves:
+            line += wavering(random, at, hand.waves)
         beside = random.normal(0.0, 0.25 * hand.miss, 2)
         line += np.linspace(0.0, 1.0, len(line))[:, None] ** 4 * beside
         lines.append(np.round(line / hand.grain) * hand.grain)

@@ -58,7 +58,7 @@ def test_without_knowing_the_grain_it_would_not_be() -> None:
         random = np.random.default_rng(seed)
         meant, lines = drawn_after(random, EGG, Hand(tremor=0.0, grain=1.0))
         calm.append(unrest(meant, rings_from_strokes(lines, grain=1.0)[0]))
-        wrinkled.append(unrest(meant, rings_from_strokes(lines)[0]))
+        wrinkled.append(unrest(meant, rings_from_strokes(lines, by_hand=False)[0]))
     assert np.median(wrinkled) > 1.2 > 1.1 > np.median(calm)
 
 

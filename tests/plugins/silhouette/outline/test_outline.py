@@ -14,7 +14,7 @@ from tests.plugins.silhouette import outlines as o
 @pytest.mark.parametrize("name", ["heart", "key", "spider", "dice-five", "spiral", "life-ring"])
 def test_exact_polygons_pass_unchanged(name: str) -> None:
     rings = o.svg_rings(o.COMMITTED / f"{name}.svg")
-    drawn, exact = outline_from_strokes(rings), outline_from_rings(rings)
+    drawn, exact = outline_from_strokes(rings, by_hand=False), outline_from_rings(rings)
     assert (drawn.components, drawn.genus) == (exact.components, exact.genus)
     assert o.iou(drawn, exact) > 0.9999
 

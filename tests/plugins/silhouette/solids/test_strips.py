@@ -18,7 +18,7 @@ from bozzetto_silhouette.solids.assembly import Assembly
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.boolean import combined, meshed
 from bozzetto_silhouette.solids.evaluate import assembly_of, tree_body
-from bozzetto_silhouette.solids.seams import settled
+from bozzetto_silhouette.solids.on_surface import settled
 from bozzetto_silhouette.solids.strip_rings import Ring, zipped
 from tests.plugins.silhouette import bodies as b
 from tests.plugins.silhouette.solids.figures_creases import sharp_edges
