@@ -42,9 +42,13 @@ class _Course(NamedTuple):
     before: float
 
     def unknown(self, way: float) -> float:
-        """Return how far a circle of this bend is from the parabola at a length beyond the end."""
+        """Return how far a circle of this bend is from the parabola at a length beyond the end.
+
+        Through three points, and by least squares through many, of which it misses the last.
+        """
         third = 4.0 * float(self.bend @ self.bend)
-        return third * way * (way + 0.5 * self.before) * (way + self.before) / 6.0
+        between = way * (way + 0.5 * self.before) * (way + self.before)
+        return third * (between + self.before**3 / 20.0) / 6.0
 
     def at(self, way: float) -> tuple[Array, Array]:
         """Return place and direction, (3,) each, at a length."""
