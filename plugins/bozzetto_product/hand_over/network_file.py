@@ -139,7 +139,7 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
-    splines = without_overlaps(splines, max(ON_CURVE * size, tolerance))
+    splines = without_overlaps(splines, max(ON_CURVE * size, tolerance), size)
     kept = [pair for pair in zip(names, splines, strict=True) if pair[0] not in again]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
