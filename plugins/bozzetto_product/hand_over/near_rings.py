@@ -1,7 +1,7 @@
 """Rows of points that nearly return to their start, and would run on there without a corner.
 
-A hand stops a little short of where it began, runs a little past it, or comes back beside it. Joined
-at its ends like two curves, such a row would have a corner there that nobody drew.
+A hand stops a little short of where it began, runs a little past it, or comes back beside it.
+Joined at its ends like two curves, such a row would have a corner there that nobody drew.
 """
 
 from __future__ import annotations

@@ -74,7 +74,9 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
     told = exactly < EXACT * size
     exact = {joint.id for joint in state.joints} if told else set()
     placed = {
-        joint.id for joint in alone if told and all(m.at in (0.0, 1.0) for m in joint.meetings)
+        joint.id
+        for joint in state.joints
+        if joint.id in exact and all(meet.at in (0.0, 1.0) for meet in joint.meetings)
     }
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
@@ -121,13 +123,9 @@ def _as_one(state: ProductState, reach: float, placed: Collection[str]) -> Produ
         one, other = (state.joints[number] for number in pair)
         if one.id in placed and other.id in placed:
             continue
-        tails = {meet.curve: is_end(splines, meet) for meet in one.meetings}
-        if all(
-            tails.get(meet.curve) is not is_end(splines, meet)
-            and splines[meet.curve].closed is False
-            for meet in other.meetings
-            if meet.curve in tails
-        ):
+        ends = {meet.curve: is_end(splines, meet) for meet in one.meetings}
+        common = [meet for meet in other.meetings if meet.curve in ends]
+        if all(ends[meet.curve] != is_end(splines, meet) for meet in common):
             return _as_one(_merged(state, one, other), reach, placed)
     return state
 

@@ -1,5 +1,7 @@
 """Rings of points that stop short of their start, run past it, or come back beside it."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -57,7 +59,7 @@ def test_what_comes_back_beside_its_start_moves_by_half_of_that(gap, rise):
 def square(count=30):
     corners = RADIUS * np.array([(1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 0), (0.97, 0, 0)])
     at = np.linspace(0.0, 1.0, count)[:, None]
-    return np.vstack([a + at[1:] * (b - a) for a, b in zip(corners, corners[1:], strict=False)])
+    return np.vstack([a + at[1:] * (b - a) for a, b in itertools.pairwise(corners)])
 
 
 @pytest.mark.parametrize(
