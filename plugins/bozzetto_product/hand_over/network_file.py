@@ -222,7 +222,9 @@ def _spline(
     is_ring = len(kept) > 5 and np.linalg.norm(kept[-1] - kept[0]) <= SAME * size
     if is_ring and not _has_corner(kept):
         return closed_spline_through(kept[:-1], tolerance, fine or tolerance)
-    ring = ring_of_row(kept, size, tolerance) if alone and not is_ring else None
+    ring = None
+    if alone and not is_ring:
+        ring = ring_of_row(kept, size, tolerance, 0.0 if fine else tolerance / NOISE)
     if ring is not None:
         return closed_spline_through(ring, tolerance, fine or tolerance)
     return spline_through(kept, tolerance, fine) if fine else smoothed_spline(kept, FIT * size)

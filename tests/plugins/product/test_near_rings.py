@@ -101,3 +101,19 @@ def test_a_slot_that_other_curves_bound_stays_open(fifth):
     lead = np.linspace(row[-1] + fifth, 1.3 * row[-1], 5)
     state = product_of_network(facts({"ring": row, "lead": lead}))
     assert not next(one for one in state.of_kind(Curve) if one.name == "ring").spline.closed
+
+
+@pytest.mark.parametrize("count", [25, 60, 200])
+def test_rings_of_a_trembling_hand_close(count):
+    """Ends as far apart as noise of 0.2 % of the diagonal brings them, and a gap besides."""
+    noise = 0.002 * SIZE
+    found = 0
+    for seed in range(40, 60):
+        random = np.random.default_rng(seed)
+        row = arc(random.choice((0.0, 0.03)), count, seed)
+        row = row + noise * random.normal(size=row.shape)
+        ring = ring_of_row(row, SIZE, 3.5 * noise, noise)
+        if ring is not None:
+            found += 1
+            assert off_circle(closed_spline_through(ring, 3.5 * noise), seed) < 5.0 * noise
+    assert found >= 19
