@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import cached_property
-from bozzetto_product.fill.framed_sides import LoopSides
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.mean_curvature import (
     FINE_GRID,
     Curvature,

@@ -9,7 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto_product.fill.domain import cross
-from bozzetto_product.fill.framed_sides import LoopSides
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.patch_space import PatchSpace, side_nodes
 from bozzetto_product.fill.quintic import DEGREE
 
