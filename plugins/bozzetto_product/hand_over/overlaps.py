@@ -2,7 +2,8 @@
 
 Both would be joined wherever they touch, and slivers between them would be surfaces. Both end where
 a third curve passes, for there they were to meet; else one is cut where the other begins. What a
-hand drew too far may lie beside the other curve, as long as nothing else ends there.
+hand drew too far may lie beside the other curve, as long as nothing else ends there and a third
+curve passes.
 """
 
 from __future__ import annotations
@@ -70,8 +71,10 @@ def without_overlaps(splines: Sequence[Spline], tolerance: float, size: float) -
             if found is None or (found.width > tolerance and (shorter, found.last) not in lone):
                 continue
             others = [one for k, one in enumerate(splines) if k not in (longer, shorter)]
-            near = max(tolerance, found.width)
+            near = wide if found.width > tolerance else tolerance
             middle = _crossed_at(made[longer], found.begin, last, others, near)
+            if middle is None and found.width > tolerance:
+                continue
             if middle is not None:
                 place = made[longer].value([middle])
                 made[shorter] = _longest_part(made[shorter], *made[shorter].foot_points(place))

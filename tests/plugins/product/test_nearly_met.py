@@ -1,4 +1,4 @@
-"""Quarters of a ball that lean on their way: drawn too far over one another, or beside a corner."""
+"""Quarters of a ball that lean on their way and miss its corners; tails that lean; narrow strips."""
 
 import numpy as np
 import pytest
@@ -8,13 +8,13 @@ from bozzetto_product.hand_over.overlaps import without_overlaps
 from bozzetto_product.hand_over.point_fit import spline_through
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import meeting_place, splines_of
-from tests.plugins.product.test_rough_files import facts, solved, turned
+from tests.plugins.product.test_rough_files import facts, turned
 
 RADIUS = 50.0
 
 
-def quarters(seed, farthest, lean):
-    """Twelve arcs on a ball, each turned about its middle; half of the ends are drawn too far."""
+def quarters(seed, lean):
+    """Twelve arcs on a ball, each turned about its middle."""
     random = np.random.default_rng(seed)
     axes = turned(seed)
     made = {}
@@ -22,9 +22,8 @@ def quarters(seed, farthest, lean):
         one, two = axes[k], axes[(k + 1) % 3]
         for quarter in range(4):
             angle = np.radians(lean) * random.uniform(0.5, 1.0) * random.choice((-1, 1))
-            before, after = farthest * (random.uniform(size=2) < 0.5)
             begin, end = 0.5 * np.pi * quarter, 0.5 * np.pi * (quarter + 1)
-            at = np.linspace(begin - before, end + after, 25)[:, None]
+            at = np.linspace(begin, end, 25)[:, None]
             row = RADIUS * (np.cos(at) * one + np.sin(at) * two)
             axis = np.cos(0.5 * (begin + end)) * one + np.sin(0.5 * (begin + end)) * two
             along = np.outer(row @ axis, axis)
@@ -40,9 +39,8 @@ def places_of(state: ProductState):
 
 
 @pytest.mark.parametrize("scale", [1.0, 1000.0])
-@pytest.mark.parametrize("farthest", [0.0, 0.05, 0.1])
-def test_four_arcs_that_nearly_meet_do_so_once(farthest, scale):
-    given = {name: scale * row for name, row in quarters(77, farthest, 0.8).items()}
+def test_four_arcs_that_nearly_meet_do_so_once(scale):
+    given = {name: scale * row for name, row in quarters(77, 0.8).items()}
     state = network_of(facts(given)).state
     axes = turned(77)
     wanted = RADIUS * np.concatenate((axes, -axes))
@@ -51,16 +49,6 @@ def test_four_arcs_that_nearly_meet_do_so_once(farthest, scale):
     assert all(len(joint.meetings) == 4 for joint in state.joints)
     apart = np.linalg.norm(places[:, None] - wanted[None], axis=2).min(axis=1)
     assert apart.max() < 1.0  # 0.6 % of the diagonal; each arc is up to 0.5 mm beside
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [78, 79])
-def test_the_ball_of_leaning_quarters_has_eight_surfaces(seed):
-    result, told = solved(facts(quarters(seed, 0.1, 0.8)))
-    assert told["closed"]
-    assert len(told["patches"]) == 8
-    away = [np.abs(np.linalg.norm(one.mesh.vertices, axis=1) - RADIUS) for one in result.filled]
-    assert np.concatenate(away).max() < 0.01 * RADIUS
 
 
 def strip(width):
@@ -81,17 +69,21 @@ def test_a_narrow_strip_keeps_both_of_its_sides(off):
     assert len(state.joints) == 4
 
 
-@pytest.mark.parametrize("lone", [True, False])
-def test_a_tail_that_leans_is_cut_only_if_nothing_else_ends_there(lone):
+@pytest.mark.parametrize("case", ["crossed", "not crossed", "another ends there"])
+def test_a_tail_that_leans_is_cut_where_a_third_curve_passes(case):
     at = np.linspace(0.0, 1.0, 13)[:, None]
     x, y, z = np.eye(3)
     longer = 60.0 * at * x
     shorter = 50.0 * x + at * (40.0 * x + 1.2 * y) + 0.2 * z
-    other = longer[-1] + 20.0 * at * z
-    rows = [longer, shorter] if lone else [longer, shorter, other]
-    splines = [spline_through(row, 1e-4) for row in rows]
+    third = {
+        "crossed": 55.0 * x + 40.0 * (at - 0.5) * z,
+        "not crossed": 55.0 * x + 40.0 * (at + 0.5) * z,
+        "another ends there": longer[-1] + 20.0 * at * z,
+    }[case]
+    splines = [spline_through(row, 1e-4) for row in (longer, shorter, third)]
     made = without_overlaps(splines, 0.03, 100.0)
     cut = [one is not before for one, before in zip(made, splines, strict=True)]
-    assert cut == ([True, False] if lone else [False, False, False])
-    if lone:
-        np.testing.assert_allclose(made[0].control_points[-1], 50.0 * x, atol=1e-6)
+    assert cut == [case == "crossed", case == "crossed", False]
+    if case == "crossed":
+        np.testing.assert_allclose(made[0].control_points[-1], 55.0 * x, atol=1e-6)
+        assert np.linalg.norm(made[1].control_points[0] - 55.0 * x) < 0.4
