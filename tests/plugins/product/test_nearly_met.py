@@ -1,4 +1,4 @@
-"""Quarters of a ball that lean on their way and miss its corners; tails that lean; narrow strips."""
+"""Quarters of a ball that lean and miss its corners; tails that lean; narrow strips."""
 
 import numpy as np
 import pytest
