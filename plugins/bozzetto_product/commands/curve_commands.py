@@ -27,9 +27,10 @@ from bozzetto_product.operations.drawing_plane import plane_of_places
 from bozzetto_product.operations.meetings import is_end, splines_of
 from bozzetto_product.operations.offset import offset_curve
 from bozzetto_product.operations.pieces import delete_curves, join_curves, split_curve
+from bozzetto_product.operations.proposals import accept
 from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.operations.tangents import match_tangents
-from bozzetto_product.operations.trim import accept, trim
+from bozzetto_product.operations.trim import trim
 from bozzetto_product.solve.found_patches import with_patches_found
 from bozzetto_product.view.scene import canvas_layer_name
 

@@ -14,10 +14,10 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto_product.fill.domain import cross
 from bozzetto_product.fill.edge_pieces import EdgePiece, pieces_of
-from bozzetto_product.fill.fair_solution import LoopSides
 from bozzetto_product.fill.fill import CUT
 from bozzetto_product.fill.half_sides import SidePiece
 from bozzetto_product.fill.loop_fill import key_of
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.loop_sides import (
     FEWEST,
     TURN,

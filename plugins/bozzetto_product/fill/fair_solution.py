@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,8 +9,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import cached_property
-from bozzetto_product.fill.domain import cross
-from bozzetto_product.fill.half_sides import Side
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.mean_curvature import (
     FINE_GRID,
     Curvature,
@@ -24,20 +22,13 @@ from bozzetto_product.fill.mean_curvature import (
 from bozzetto_product.fill.patch_space import (
     BENDING_RATE,
     PLATE,
-    SIDE_NODES,
     PatchSpace,
-    side_nodes,
 )
-from bozzetto_product.fill.quadric import Quadric, quadric_through
-from bozzetto_product.fill.quintic import DEGREE, NODES, bernstein, refinement
+from bozzetto_product.fill.quadric import Quadric
+from bozzetto_product.fill.quintic import NODES, bernstein
+from bozzetto_product.fill.side_conditions import SideConditions
 from bozzetto_product.fill.sweep import Sweep, sweep_of
 from bozzetto_product.fill.thin_strips import is_strip, strip_places
-
-TANGENCY: Final = 1e5
-"""Weight of tangent planes, in mean diagonals of the stiffness: held to a hundredth of a degree."""
-
-PULL: Final = 0.1
-"""Weight of the way that a surface leaves its side: it decides the sense only."""
 
 TANGENTIAL: Final = 0.09
 """Weight of the part of the Laplacian in the surface: it keeps parameters even."""
@@ -84,112 +75,11 @@ a little off it ask for tangent planes that are not theirs."""
 SLIDING: Final = 1e-3
 """Weight of the way along a quadric against that off it: where on it a place is hardly matters."""
 
-LEANING: Final = 0.05
-"""Sine between the normals along the sides and those of a quadric, root mean square, up to which
-they are about its own: in the middle of long sides those of corners are up to 5° off."""
-
-LEANING_BY_ALONE: Final = 1.0 / 3000.0
-"""The same by how many times farther off every other quadric is: one that is little alone is only
-meant if the normals are its own."""
-
 LEAST_LIKE: Final = 0.1
 """The same sine of a surface that was laid on a quadric, up to which it lies there smoothly."""
 
 RIDGE: Final = 1e-11
 """Share of the mean diagonal that is added to it, so that a matrix can be factored."""
-
-
-@dataclass(frozen=True, eq=False)
-class LoopSides:
-    """The sides of a loop in a frame of its own, of unit size about the origin.
-
-    Parameters
-    ----------
-    sides : tuple of Side
-    controls : (10 n, 3) float
-        Control points of the polynomials nearest to the halves, in the order of `PatchSpace`.
-    normals : (n, 2, 11, 3) float
-        At the Gauss nodes of the halves; NaN where a side is a crease.
-    origin : (3,) float
-    size : float
-        Diagonal of the box of the loop, mm.
-    """
-
-    sides: tuple[Side, ...]
-    controls: Array
-    normals: Array
-    origin: Array
-    size: float
-
-    @classmethod
-    def of(cls, sides: Sequence[Side]) -> LoopSides:
-        """Bring sides into their own frame."""
-        rows = []
-        for side in sides:
-            first, second = side.polynomials
-            rows += [first, second[DEGREE - 1 : 0 : -1]]
-        controls = np.concatenate(rows)
-        origin = controls.mean(axis=0)
-        size = float(np.linalg.norm(np.ptp(controls, axis=0)))
-        size = size if size > 0.0 else 1.0
-        normals = np.full((len(sides), 2, SIDE_NODES, 3), np.nan)
-        for number, side in enumerate(sides):
-            for half in range(2):
-                found = side.halves[half].held_normals
-                if found is not None:
-                    normals[number, half] = found
-        return cls(tuple(sides), (controls - origin) / size, normals, origin, size)
-
-    @cached_property
-    def slopes(self) -> Array:
-        """Derivatives of the halves at the Gauss nodes, by their own parameters, (n, 2, 11, 3)."""
-        at = side_nodes()[0]
-        rows = [[half.value(at, 1) for half in side.halves] for side in self.sides]
-        return np.array(rows) / self.size
-
-    @cached_property
-    def _places(self) -> Array:
-        """Places of the halves themselves at the Gauss nodes, head to tail, (2 n, 11, 3)."""
-        at = side_nodes()[0]
-        rows = [half.value(at) for side in self.sides for half in side.halves]
-        rows[1::2] = [row[::-1] for row in rows[1::2]]
-        return (np.array(rows) - self.origin) / self.size
-
-    @cached_property
-    def rest(self) -> float:
-        """How far the sides are from their polynomials, share of the size; 0 if they are some."""
-        far = 0.0
-        for side in self.sides:
-            for half, polynomial in zip(side.halves, side.polynomials, strict=True):
-                if not half.is_polynomial:
-                    off = half.points - refinement(half.knots) @ polynomial
-                    far = max(far, float(np.linalg.norm(off, axis=1).max()))
-        return far / self.size
-
-    @cached_property
-    def quadric(self) -> Quadric | None:
-        """The quadric on which all sides lie, if normals that are told along them are its own."""
-        at, share = side_nodes()
-        ring = np.concatenate((self.controls, self.controls[:1]))
-        halves = ring[np.arange(0, len(ring) - 1, DEGREE)[:, None] + np.arange(DEGREE + 1)]
-        lengths = np.linalg.norm(bernstein(at, 1) @ halves, axis=-1) * share
-        places = (bernstein(at) @ halves).reshape(-1, 3)
-        if not self.is_smooth:
-            places = self._places.reshape(-1, 3)
-        found = quadric_through(places, lengths.ravel())
-        if found is None or not (self.is_smooth or found.is_exact):
-            return None
-        held = self.normals.copy()
-        held[:, 1] = held[:, 1, ::-1]
-        sine = np.linalg.norm(cross_product(found.normals(places), held.reshape(-1, 3)), axis=1)
-        told = sine[np.isfinite(sine)]
-        most = min(LEANING, LEANING_BY_ALONE * found.alone)
-        return found if not len(told) or float(np.sqrt((told**2).mean())) <= most else None
-
-    @cached_property
-    def is_smooth(self) -> bool:
-        """Whether normals are told along all sides."""
-        return bool(np.isfinite(self.normals).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,63 +133,7 @@ class _Candidate:
         return is_folded(self.solution.nets)
 
 
-@dataclass(frozen=True, eq=False)
-class _Conditions:
-    """Conditions of the sides of a loop on a surface: squares of rows, and loads of what is known.
-
-    Parameters
-    ----------
-    space : PatchSpace
-    loop : LoopSides
-    tangency : (Array, Array)
-        (3 z, 3 z) and (3, z): what derivatives across the sides have along the normals.
-    pull : (Array, Array)
-        (z, z) and (3, z): what they differ from likely ones.
-    """
-
-    space: PatchSpace
-    loop: LoopSides
-    tangency: tuple[Array, Array] | None
-    pull: tuple[Array, Array] | None
-
-    @classmethod
-    def of(cls, space: PatchSpace, loop: LoopSides) -> _Conditions:
-        """Return the conditions along the sides with normals."""
-        held = np.isfinite(loop.normals[..., 0])
-        if not held.any():
-            return cls(space, loop, None, None)
-        by_basis, by_sides = space.across
-        weights = np.sqrt(np.broadcast_to(side_nodes()[1], held.shape)[held])[:, None]
-        known = by_sides[held] @ loop.controls
-        normals = loop.normals[held] * weights
-        rows = (normals[:, :, None] * by_basis[held][:, None, :]).reshape(len(normals), -1)
-        offset = -(normals * known).sum(axis=1)
-        basis = by_basis[held] * weights
-        target = _likely_slopes(space, loop)[held] / DEGREE - known
-        return cls(
-            space,
-            loop,
-            (rows.T @ rows, (rows.T @ offset).reshape(3, -1)),
-            (basis.T @ basis, (basis.T @ (weights * target)).T),
-        )
-
-    def hold(self, matrix: Array, right: Array, scale: float) -> None:
-        """Add tangent planes to a system of equations."""
-        if self.tangency is not None:
-            matrix += TANGENCY * scale * self.tangency[0]
-            right += TANGENCY * scale * self.tangency[1]
-
-    def draw(self, matrix: Array, right: Array, scale: float) -> None:
-        """Add the likely ways off the sides to a system of equations."""
-        if self.pull is not None:
-            size = right.shape[1]
-            for axis in range(3):
-                part = slice(axis * size, (axis + 1) * size)
-                matrix[part, part] += PULL * scale * self.pull[0]
-            right += PULL * scale * self.pull[1]
-
-
-def _started(asked: _Conditions, order: int) -> FairSolution:
+def _started(asked: SideConditions, order: int) -> FairSolution:
     """Return the surface of least energy."""
     loop = asked.loop
     stiffness, load = asked.space.stiffness(order)
@@ -316,7 +150,7 @@ def _started(asked: _Conditions, order: int) -> FairSolution:
     return _solved(matrix, right, asked, order, scale)
 
 
-def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
+def _evened(asked: SideConditions, start: _Candidate) -> FairSolution:
     """Return the surface after one Gauss–Newton step on the variation of its mean curvature.
 
     With L the Laplace–Beltrami operator of the surface at the start, n its normals and Q
@@ -352,7 +186,7 @@ def _evened(asked: _Conditions, start: _Candidate) -> FairSolution:
     return replace(made, evened=True)
 
 
-def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution:
+def _fitted(asked: SideConditions, start: _Candidate, sweep: Sweep) -> FairSolution:
     """Return the surface nearest to a sweep, with a little of the energy of a start.
 
     What turns by half a turn or more is hardly at the places where polynomials want to be, so it
@@ -368,13 +202,17 @@ def _fitted(asked: _Conditions, start: _Candidate, sweep: Sweep) -> FairSolution
 
 
 def _nearest(
-    asked: _Conditions, start: _Candidate, places: Array, normals: Array | None, stiffening: float
+    asked: SideConditions,
+    start: _Candidate,
+    places: Array,
+    normals: Array | None,
+    stiffening: float,
 ) -> FairSolution:
     """Return the surface nearest to places for its Gauss points.
 
     Parameters
     ----------
-    asked : _Conditions
+    asked : SideConditions
         What the sides ask.
     start : _Candidate
         Whose energy and areas count.
@@ -424,7 +262,7 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     if those of both energies gain and are the same; where they are not, one more step is taken.
     What folds is taken only if all do.
     """
-    asked = _Conditions.of(space, loop)
+    asked = SideConditions.of(space, loop)
     start = _Candidate(_started(asked, BENDING_RATE))
     even = _evened_or(asked, start)
     on_quadric = _on_quadric(asked, even) if loop.is_smooth else None
@@ -466,7 +304,7 @@ def fairest(space: PatchSpace, loop: LoopSides) -> FairSolution:
     return (plate if judged[1] < judged[0] else best).solution
 
 
-def _on_quadric(asked: _Conditions, start: _Candidate) -> _Candidate | None:
+def _on_quadric(asked: SideConditions, start: _Candidate) -> _Candidate | None:
     """Return the surface on the quadric through all sides; None where there is none."""
     quadric = asked.loop.quadric
     if quadric is None:
@@ -505,7 +343,7 @@ def _apart(one: _Candidate, other: _Candidate) -> float:
     return float(np.sqrt((areas * along**2).sum() / max(float(areas.sum()), 1e-300)))
 
 
-def _evened_or(asked: _Conditions, start: _Candidate) -> _Candidate:
+def _evened_or(asked: SideConditions, start: _Candidate) -> _Candidate:
     """Return the surface with evened curvature; the start if that folds or has rough sides."""
     if asked.loop.rest >= ROUGH:
         return start
@@ -514,7 +352,7 @@ def _evened_or(asked: _Conditions, start: _Candidate) -> _Candidate:
 
 
 def _solved(
-    matrix: Array, right: Array, asked: _Conditions, order: int, scale: float
+    matrix: Array, right: Array, asked: SideConditions, order: int, scale: float
 ) -> FairSolution:
     from scipy.linalg import cho_factor, cho_solve
 
@@ -525,58 +363,3 @@ def _solved(
     space, loop = asked.space, asked.loop
     free = space.basis @ found + space.particular @ loop.controls
     return FairSolution(space, loop, free, order)
-
-
-def _likely_slopes(space: PatchSpace, loop: LoopSides) -> Array:
-    """Return derivatives across the halves as the domain's own, carried to space, (n, 2, 11, 3).
-
-    Along a side they are scaled as the side is, across it as the sides beside it are at its ends.
-    """
-    domain, at = space.domain, side_nodes()[0][:, None]
-    corners, middles = domain.corners, domain.middles
-    made = np.zeros_like(loop.slopes)
-    count = len(corners)
-    speeds = np.ones((count, 2))
-    for k in range(count):
-        for half in range(2):
-            speeds[k, half] = _speed_across(space, loop, k, half)
-    for k in range(count):
-        for half in range(2):
-            corner = corners[(k + half) % count]
-            beside = middles[k - 1] if half == 0 else middles[(k + 1) % count]
-            way = middles[k] - corner
-            length = float(np.hypot(*way))
-            sense = 1.0 if half == 0 else -1.0
-            domain_across = (1 - at) * (beside - corner) + at * (domain.centre - middles[k])
-            slopes = loop.slopes[k, half]
-            inward = cross_product(loop.normals[k, half], sense * slopes)
-            inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-12)
-            speed = (1 - at) * speeds[k, half] + at * 0.5 * (speeds[k, 0] + speeds[k, 1])
-            height = sense * cross(way, domain_across)[:, None] / length
-            along = (domain_across @ way)[:, None] / length**2
-            made[k, half] = speed * height * inward + along * slopes
-    return made
-
-
-def _speed_across(space: PatchSpace, loop: LoopSides, side: int, half: int) -> float:
-    """Return how many times longer than in the domain the way across a side is at an end."""
-    domain = space.domain
-    count = len(domain.corners)
-    corner = domain.corners[(side + half) % count]
-    if half == 0:
-        other, beside = loop.sides[side - 1].halves[1], domain.middles[side - 1]
-    else:
-        after = (side + 1) % count
-        other, beside = loop.sides[after].halves[0], domain.middles[after]
-    own = loop.sides[side].halves[half]
-    tangent = own.end_slopes[0]
-    slope = other.end_slopes[0] / loop.size
-    straight = float(np.linalg.norm(slope)) / max(float(np.hypot(*(beside - corner))), 1e-12)
-    normal = loop.normals[side, half, 0]
-    if not np.isfinite(normal[0]):
-        return straight
-    inward = cross_product(normal, tangent if half == 0 else -tangent)
-    inward /= max(float(np.linalg.norm(inward)), 1e-300)
-    way = domain.middles[side] - corner
-    height = abs(float(cross(way, beside - corner))) / float(np.hypot(*way))
-    return max(float(slope @ inward) / max(height, 1e-12), 0.1 * straight)

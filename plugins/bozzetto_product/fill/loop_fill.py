@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto_product.fill.fair_solution import LoopSides
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.half_sides import Side
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.patch_fill import patch_fill
 from bozzetto_product.fill.plane_fill import plane_fill
 from bozzetto_product.network.net import Loop

@@ -13,9 +13,10 @@ from bozzetto.geometry import BSplineSurface, Curve, Spline
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.domain import Domain
 from bozzetto_product.fill.edge_pieces import EdgePiece, opened
-from bozzetto_product.fill.fair_solution import FairSolution, LoopSides
+from bozzetto_product.fill.fair_solution import FairSolution
 from bozzetto_product.fill.fill import CUT, Fill
 from bozzetto_product.fill.half_sides import HalfSide, Side, SidePiece
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.normal_field import NormalField
 from bozzetto_product.fill.parted_fill import PartedFill
 from bozzetto_product.fill.patch_fill import PatchFill

@@ -9,10 +9,11 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto_product.fill.exact_patches import exact_patches
-from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY
+from bozzetto_product.fill.fair_solution import RIDGE
 from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import PLATE, side_nodes
 from bozzetto_product.fill.quintic import bernstein
+from bozzetto_product.fill.side_conditions import TANGENCY
 
 FIRM: Final = 3000.0
 """Weight of the places against the bending of the change: they are followed within a hair, and the

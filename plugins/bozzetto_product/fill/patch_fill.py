@@ -14,11 +14,12 @@ from bozzetto.geometry import Brep, BSplineSurface, Curve, Mesh
 from bozzetto.plugin import cached_property, override, remembered
 from bozzetto_product.fill.domain import Domain, domain_of
 from bozzetto_product.fill.exact_patches import exact_patches
-from bozzetto_product.fill.fair_solution import FairSolution, LoopSides, fairest
+from bozzetto_product.fill.fair_solution import FairSolution, fairest
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.fill_brep import brep_of
 from bozzetto_product.fill.fill_mesh import mesh_of, places_and_normals
 from bozzetto_product.fill.half_sides import HalfSide, Side
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.patch_space import space_of
 from bozzetto_product.fill.quintic import DEGREE
 from bozzetto_product.network.net import Loop

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, TypeAlias, get_args
 
@@ -22,6 +22,7 @@ from bozzetto.ink import (
 from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.names import piece_names
+from bozzetto_product.hand_over.near_rings import ring_of_row
 from bozzetto_product.hand_over.network_joints import joined_state
 from bozzetto_product.hand_over.overlaps import without_overlaps
 from bozzetto_product.hand_over.point_fit import (
@@ -123,9 +124,10 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     noise = NOISE * noise_of(rows.values(), size)
     exact, fine = (max(share * size, rounding) for share in (FIT, FINE))
     tolerance = max(exact, noise)
+    alone = _ending_alone(list(rows.values()), max(ON_CURVE * size, tolerance))
     splines = [
-        _spline(points, name, size, tolerance, 0.0 if noise > exact else fine)
-        for name, points in rows.items()
+        _spline(points, name, size, tolerance, 0.0 if noise > exact else fine, lone)
+        for (name, points), lone in zip(rows.items(), alone, strict=True)
     ]
     names = list(rows)
     again = {names[k]: names[first] for k, first in equal_curves(splines, tolerance).items()}
@@ -137,7 +139,7 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
-    splines = without_overlaps(splines, max(ON_CURVE * size, tolerance))
+    splines = without_overlaps(splines, max(ON_CURVE * size, tolerance), size)
     kept = [pair for pair in zip(names, splines, strict=True) if pair[0] not in again]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
@@ -192,10 +194,24 @@ def _points(value: object, where: str, scale: float) -> Array:
     return points
 
 
-def _spline(points: Array, name: str, size: float, tolerance: float, fine: float) -> Spline:
+def _ending_alone(rows: Sequence[Array], reach: float) -> list[bool]:
+    """Return of each row of points whether no other one ends where it begins or ends."""
+    from scipy.spatial import cKDTree
+
+    ends = np.concatenate([row[[0, -1]] for row in rows])
+    near = cKDTree(ends).query_ball_point(ends, reach)
+    return [
+        all(end // 2 == number for end in (*near[2 * number], *near[2 * number + 1]))
+        for number in range(len(rows))
+    ]
+
+
+def _spline(
+    points: Array, name: str, size: float, tolerance: float, fine: float, alone: bool
+) -> Spline:
     """Return the spline through the points of a curve; closed where it returns smoothly.
 
-    A fine tolerance of 0 says that they tremble.
+    A fine tolerance of 0 says that they tremble. What ends alone may stop short of its start.
     """
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     kept = points[np.concatenate(([True], steps > SAME * size))]
@@ -206,6 +222,11 @@ def _spline(points: Array, name: str, size: float, tolerance: float, fine: float
     is_ring = len(kept) > 5 and np.linalg.norm(kept[-1] - kept[0]) <= SAME * size
     if is_ring and not _has_corner(kept):
         return closed_spline_through(kept[:-1], tolerance, fine or tolerance)
+    ring = None
+    if alone and not is_ring:
+        ring = ring_of_row(kept, size, tolerance, 0.0 if fine else tolerance / NOISE)
+    if ring is not None:
+        return closed_spline_through(ring, tolerance, fine or tolerance)
     return spline_through(kept, tolerance, fine) if fine else smoothed_spline(kept, FIT * size)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final
@@ -17,6 +17,7 @@ from bozzetto_product.model.joints import Joint
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.crossings import Crossing
 from bozzetto_product.operations.meetings import (
+    is_end,
     meeting_place,
     splines_of,
     unused_joint_ids,
@@ -72,9 +73,15 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
         state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
     told = exactly < EXACT * size
     exact = {joint.id for joint in state.joints} if told else set()
+    placed = {
+        joint.id
+        for joint in state.joints
+        if joint.id in exact and all(meet.at in (0.0, 1.0) for meet in joint.meetings)
+    }
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
         state = _unless_worse(state, closed)
+        state = _unless_worse(state, _as_one(state, width * size, placed))
         if width == CROSSING:
             reach = NEAR * width * size
             closed, _ = crossings_joined(
@@ -82,6 +89,61 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
             )
             state = _unless_worse(state, closed)
     return state
+
+
+def _as_one(state: ProductState, reach: float, placed: Collection[str]) -> ProductState:
+    """Return a network in which joints that are close to one another are one.
+
+    Of four curves that a hand drew to one place two pairs may meet beside one another, or a third
+    one a little before the end of the others. Where an edge goes from one joint to the other, both
+    are meant, and so they are where ends meet exactly in both; the tail of a curve is no edge.
+
+    Parameters
+    ----------
+    state : ProductState
+        A network of curves without mirror images.
+    reach : float
+        Farthest that two joints are one, mm.
+    placed : collection of str
+        Ids of joints that are where they are meant.
+    """
+    from scipy.spatial import cKDTree
+
+    if len(state.joints) < 2:
+        return state
+    splines = splines_of(state)
+    places = np.array(
+        [meeting_place(splines, one.meetings[0], state.symmetry) for one in state.joints]
+    )
+    pairs = sorted(
+        cKDTree(places).query_pairs(reach),
+        key=lambda pair: (float(np.linalg.norm(places[pair[0]] - places[pair[1]])), pair),
+    )
+    for pair in pairs:
+        one, other = (state.joints[number] for number in pair)
+        if one.id in placed and other.id in placed:
+            continue
+        ends = {meet.curve: is_end(splines, meet) for meet in one.meetings}
+        common = [meet for meet in other.meetings if meet.curve in ends]
+        if all(ends[meet.curve] != is_end(splines, meet) for meet in common):
+            return _as_one(_merged(state, one, other), reach, placed)
+    return state
+
+
+def _merged(state: ProductState, one: Joint, other: Joint) -> ProductState:
+    """Return a network with one joint in the place of two, half-way between them.
+
+    Of a curve that is in both its end is.
+    """
+    splines = splines_of(state)
+    both = (*one.meetings, *other.meetings)
+    ends = {meet.curve for meet in both if is_end(splines, meet)}
+    kept = tuple(meet for meet in both if is_end(splines, meet) or meet.curve not in ends)
+    larger = replace(one, meetings=kept)
+    joints = [larger if joint is one else joint for joint in state.joints if joint is not other]
+    places = [meeting_place(splines, each.meetings[0], state.symmetry) for each in (one, other)]
+    pins = {one.id: np.mean(places, axis=0)}
+    return settled_state(replace(state, joints=tuple(joints)), {}, pins)
 
 
 def _unless_worse(before: ProductState, after: ProductState) -> ProductState:

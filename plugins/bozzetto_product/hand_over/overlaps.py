@@ -1,13 +1,15 @@
 """Curves of a file that go on over one another: each was drawn a little into the other.
 
 Both would be joined wherever they touch, and slivers between them would be surfaces. Both end where
-a third curve passes, for there they were to meet; else one is cut where the other begins.
+a third curve passes, for there they were to meet; else one is cut where the other begins. What a
+hand drew too far may lie beside the other curve, as long as nothing else ends there and a third
+curve passes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -21,14 +23,18 @@ TAIL: Final = 0.25
 LOOKS: Final = 9
 """Places of a stretch that are looked at."""
 
-SHORTEST: Final = 3.0
-"""Length of a stretch, in tolerances, below which the ends just meet."""
+SHORTEST: Final = 1.5
+"""Length of a stretch, in its width, below which the ends just meet."""
+
+BESIDE: Final = 1e-2
+"""Largest width of a stretch at the ends of which nothing else ends, as share of the diagonal: what
+crosses so near is joined."""
 
 ALONG: Final = float(np.cos(np.radians(15.0)))
 """Cosine of the largest angle between curves that go the same way."""
 
 
-def without_overlaps(splines: Sequence[Spline], tolerance: float) -> list[Spline]:
+def without_overlaps(splines: Sequence[Spline], tolerance: float, size: float) -> list[Spline]:
     """Return curves without the stretch at an end that another curve goes over as well.
 
     Parameters
@@ -37,6 +43,8 @@ def without_overlaps(splines: Sequence[Spline], tolerance: float) -> list[Spline
         In space, mm.
     tolerance : float
         Distance up to which curves lie on one another, mm.
+    size : float
+        Diagonal of the network, mm.
 
     Returns
     -------
@@ -51,21 +59,45 @@ def without_overlaps(splines: Sequence[Spline], tolerance: float) -> list[Spline
         key=lambda number: (-lengths[number], *splines[number].control_points[0].tolist()),
     )
     rank = {number: place for place, number in enumerate(order)}
+    lone = _lone_ends(splines, tolerance)
+    wide = max(tolerance, BESIDE * size)
     for longer, shorter in sorted(
         _near(splines, order, lengths), key=lambda pair: (rank[pair[0]], rank[pair[1]])
     ):
         reach = TAIL * lengths[shorter]
         for last in (True, False):
-            share = _shared_from(made[longer], made[shorter], last, reach, tolerance)
-            if share is None:
+            width = wide if (longer, last) in lone else tolerance
+            found = _shared_from(made[longer], made[shorter], last, reach, tolerance, width)
+            if found is None or (found.width > tolerance and (shorter, found.last) not in lone):
                 continue
             others = [one for k, one in enumerate(splines) if k not in (longer, shorter)]
-            middle = _crossed_at(made[longer], share, last, others, tolerance)
+            near = wide if found.width > tolerance else tolerance
+            middle = _crossed_at(made[longer], found.begin, last, others, near)
+            if middle is None and found.width > tolerance:
+                continue
             if middle is not None:
                 place = made[longer].value([middle])
                 made[shorter] = _longest_part(made[shorter], *made[shorter].foot_points(place))
-            made[longer] = _longest_part(made[longer], share if middle is None else middle)
+            made[longer] = _longest_part(made[longer], found.begin if middle is None else middle)
     return made
+
+
+def _lone_ends(splines: Sequence[Spline], tolerance: float) -> set[tuple[int, bool]]:
+    """Return the curves, and whether the last of their ends is meant, where no other one ends."""
+    from scipy.spatial import cKDTree
+
+    rows = [
+        (number, last, spline.control_points[-1 if last else 0])
+        for number, spline in enumerate(splines)
+        if not spline.closed
+        for last in (False, True)
+    ]
+    if not rows:
+        return set()
+    ends = np.array([place for _, _, place in rows])
+    near = cKDTree(ends).query_ball_point(ends, tolerance, return_length=True)
+    return {(number, last) for (number, last, _), count in zip(rows, near, strict=True)
+            if count == 1}  # fmt: skip
 
 
 def _near(
@@ -120,16 +152,28 @@ def _crossed_at(
     return min(found, key=lambda at: abs(at - stretch.mean()), default=None)
 
 
-def _shared_from(
-    one: Spline, other: Spline, last: bool, reach: float, tolerance: float
-) -> float | None:
-    """Return the parameter of a curve from which on, up to an end, another one goes over it.
+class _Shared(NamedTuple):
+    """A stretch at the end of a curve that another one goes over as well.
 
-    None where there is no such stretch.
+    Where it begins on the first curve, how far apart they are, mm, and whether it is at the last
+    end of the other one.
+    """
+
+    begin: float
+    width: float
+    last: bool
+
+
+def _shared_from(
+    one: Spline, other: Spline, last: bool, reach: float, tolerance: float, widest: float
+) -> _Shared | None:
+    """Return the stretch up to an end of a curve that another one goes over; None if there is none.
+
+    It may be as wide as `widest`, if it is long for that.
     """
     end = one.control_points[-1 if last else 0]
     low, high = other.control_points.min(axis=0), other.control_points.max(axis=0)
-    if (end < low - tolerance).any() or (end > high + tolerance).any():
+    if (end < low - widest).any() or (end > high + widest).any():
         return None
     for beginning in (0, -1):
         first = other.control_points[beginning]
@@ -138,14 +182,16 @@ def _shared_from(
         at = float(one.foot_points(first[None])[0])
         stretch = np.linspace(at, one.range[1 if last else 0], LOOKS)
         points = one.value(stretch)
-        if np.linalg.norm(np.diff(points, axis=0), axis=1).sum() > reach:
+        length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        if length > reach:
             continue
         feet = other.foot_points(points)
-        if np.linalg.norm(other.value(feet) - points, axis=1).max() > tolerance:
+        width = float(np.linalg.norm(other.value(feet) - points, axis=1).max())
+        if width > tolerance and width > min(widest, length / SHORTEST):
             continue
         ways, others = one.derivative(stretch), other.derivative(feet)
         sense = (1.0 if last else -1.0) * (1.0 if beginning == 0 else -1.0)
         cosines = sense * (ways * others).sum(axis=1)
         if (cosines > ALONG * np.linalg.norm(ways, axis=1) * np.linalg.norm(others, axis=1)).all():
-            return at
+            return _Shared(at, width, beginning == -1)
     return None

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from functools import partial
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
 from bozzetto.ink import Strokes
@@ -21,7 +23,8 @@ from bozzetto_product.operations.boundaries import (
     with_boundaries,
 )
 from bozzetto_product.operations.corners import from_corner, is_corner, lies_in
-from bozzetto_product.operations.fillet_arc import arc_between, sides_of, touching
+from bozzetto_product.operations.fillet_arc import Side, arc_between, sides_of, touching
+from bozzetto_product.operations.largest_radius import radius_refused
 from bozzetto_product.operations.meetings import (
     curve_of,
     is_end,
@@ -45,6 +48,9 @@ NO_CORNER: Final = (
     "A corner of two curves that meet in one place can be rounded, if one of them ends there; in "
     "the symmetry plane one of them must lie in it. Choose such a corner."
 )
+
+HALVINGS: Final = 14
+"""Steps in which the largest radius is found."""
 
 LOOKS: Final = 257
 """Places of an arc and of a curve of which the nearest are found."""
@@ -110,22 +116,46 @@ def fillet(
         raise UserError("A radius is a length above 0.")
     inward = [from_corner(splines[m.curve], m.at, way) for m, way in zip(ends, ways, strict=True)]
     sides = sides_of(inward[0], inward[1])
-    at = touching(sides, radius)
-    arc = arc_between(sides, at, radius)
-    cuts = []
-    for k, side in enumerate(sides):
-        share, begin = share_at(side.spline, at[k]), ends[k].at
-        onward = ways[k] > 0 or (ways[k] == 0 and begin == 0.0)
-        cuts.append(begin + share * (1.0 - begin) if onward else begin - share * begin)
-    for meet, cut in zip(ends, cuts, strict=True):
-        if _is_met_before(state, meet, cut):
-            raise UserError("Another curve meets within this radius. Choose a smaller one.")
+    reached = partial(_cuts_at, state, sides, ends, ways)
+    cuts = reached(radius)
+    if cuts is None:
+        reason = f"A radius of {radius:.4g} mm is too large for these curves"
+        raise radius_refused(reason, radius, lambda size: reached(size) is not None, HALVINGS)
+    arc = arc_between(sides, cuts.at, radius)
     whole = [
         passes or (joint.in_plane and flat[k] and not flat[1 - k] and len(meetings) > 2)
         for k, passes in enumerate(through)
     ]
     inside = [joint.in_plane and one for one in flat]
-    return _put_together(state, joint, ends, cuts, arc, whole, inside)
+    return _put_together(state, joint, ends, cuts.shares, arc, whole, inside)
+
+
+class _Cuts(NamedTuple):
+    """Where an arc ends on both curves: parameters from the corner on, and shares of the curves."""
+
+    at: Array
+    shares: list[float]
+
+
+def _cuts_at(
+    state: ProductState,
+    sides: list[Side],
+    ends: Sequence[Meeting],
+    ways: Sequence[int],
+    radius: float,
+) -> _Cuts | None:
+    """Return where an arc ends on both curves; None where these end, or meet others, before."""
+    at = touching(sides, radius)
+    if at is None:
+        return None
+    shares = []
+    for k, side in enumerate(sides):
+        share, begin = share_at(side.spline, at[k]), ends[k].at
+        onward = ways[k] > 0 or (ways[k] == 0 and begin == 0.0)
+        shares.append(begin + share * (1.0 - begin) if onward else begin - share * begin)
+    if any(_is_met_before(state, meet, cut) for meet, cut in zip(ends, shares, strict=True)):
+        return None
+    return _Cuts(at, shares)
 
 
 def _is_met_before(state: ProductState, meet: Meeting, cut: float) -> bool:

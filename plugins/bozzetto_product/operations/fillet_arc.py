@@ -44,10 +44,11 @@ def sides_of(one: Spline, other: Spline) -> list[Side]:
     return sides
 
 
-def touching(sides: list[Side], radius: float) -> Array:
-    """Return the parameters at which a circle touches both curves, by least squares.
+def touching(sides: list[Side], radius: float) -> Array | None:
+    """Return the parameters at which a circle touches both curves; None where it is too large.
 
-    Over each curve lies the place at the radius across it; both places are one, the centre.
+    By least squares: over each curve lies the place at the radius across it; both places are one,
+    the centre.
     """
     from scipy.optimize import least_squares
 
@@ -72,7 +73,7 @@ def touching(sides: list[Side], radius: float) -> Array:
     )  # fmt: skip
     inside = (found.x > low).all() and (found.x < high).all()
     if not inside or not np.linalg.norm(found.fun) <= EXACT:
-        raise UserError("The radius is too large for these curves. Choose a smaller one.")
+        return None
     return np.asarray(found.x)
 
 

@@ -11,7 +11,8 @@ from bozzetto.view import Camera, triple
 from bozzetto_product.model.planes import Point
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.clusters import End
-from bozzetto_product.operations.trim import Proposal, nearest_gap, network_ends
+from bozzetto_product.operations.free_ends import network_ends
+from bozzetto_product.operations.proposals import Proposal, nearest_gap
 from bozzetto_product.projection.views import pixel_size, seen_at
 
 DEEPER: Final = 3.0

@@ -17,11 +17,12 @@ import numpy as np
 from bozzetto.arrays import Array, cross_product
 from bozzetto.plugin import remembered
 from bozzetto_product.fill.exact_patches import exact_patches
-from bozzetto_product.fill.fair_solution import RIDGE, TANGENCY, FairSolution
+from bozzetto_product.fill.fair_solution import RIDGE, FairSolution
 from bozzetto_product.fill.fill import Fill
 from bozzetto_product.fill.patch_fill import PatchFill
 from bozzetto_product.fill.patch_space import PLATE, PatchSpace, side_nodes
 from bozzetto_product.fill.quintic import NODES, WEIGHTS, bernstein
+from bozzetto_product.fill.side_conditions import TANGENCY
 from bozzetto_product.shaping.volume import displaced_volume, size_for, volume_of
 
 UNIT: Final = 0.25

@@ -12,8 +12,9 @@ from bozzetto.plugin import remembered
 from bozzetto.view import triple
 from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
+from bozzetto_product.operations.free_ends import ASKED
 from bozzetto_product.operations.meetings import meeting_place, splines_of
-from bozzetto_product.operations.trim import ASKED, proposals_of
+from bozzetto_product.operations.proposals import proposals_of
 from bozzetto_product.projection.planes import in_plane
 
 NEARLY: Final = 0.05

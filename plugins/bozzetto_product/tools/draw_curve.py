@@ -31,7 +31,8 @@ from bozzetto_product.network.reflection import Reflection
 from bozzetto_product.operations.drawing_plane import drawing_plane
 from bozzetto_product.operations.own_image import as_own_image
 from bozzetto_product.operations.pieces import delete_curves
-from bozzetto_product.operations.trim import default_gap, proposals_of, trim
+from bozzetto_product.operations.proposals import proposals_of
+from bozzetto_product.operations.trim import default_gap, trim
 from bozzetto_product.projection.ink_curve import AT_PLANE, curve_from_ink
 from bozzetto_product.projection.planes import in_plane
 from bozzetto_product.projection.spline_basis import with_controls

@@ -9,13 +9,16 @@ import numpy as np
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Spline
-from bozzetto.plugin import Context, Drag, Gesture, Tap, override
+from bozzetto.plugin import Context, Drag, Gesture, Job, Tap, override
 from bozzetto.scene import Layer, Scene, cast_rays
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.corners import CORNER, Corner, corners_of
+from bozzetto_product.operations.largest_radius import radius_refused
 from bozzetto_product.operations.meetings import splines_of
 from bozzetto_product.operations.rounded_corners import rounded_corner
 from bozzetto_product.projection.views import pixel_size
+from bozzetto_product.solve.result import ProductResult
+from bozzetto_product.solve.solver import solve_product
 from bozzetto_product.tools.move import dragged_to
 from bozzetto_product.tools.product_tool import (
     CurveTool,
@@ -35,6 +38,9 @@ REACH: Final = 40.0
 
 LARGEST: Final = 1e5
 """Largest radius, mm; that of the parameter."""
+
+HALVINGS: Final = 4
+"""Steps in which the largest radius is found by which no surface folds."""
 
 STILL: Final = 3.0
 """Way of a pen on a dot, px, below which it is a touch: the radius is the one that is set."""
@@ -82,7 +88,7 @@ class Fillet(CurveTool):
         corner = _under(state, tap, own_surfaces(context.scene))
         if corner is None:
             raise UserError(_NOBODY)
-        return changed(state, lambda before: _rounded(before, corner, state.rounding))
+        return _sound(state, corner, state.rounding, context)
 
     @override
     @standing
@@ -94,14 +100,50 @@ class Fillet(CurveTool):
         UserError
             If the handle is not of this product, or the radius is too large.
         """
-        return changed(state, lambda before: _dragged(before, drag))
+        return _sound(state, *_asked(state, drag), context)
 
 
 def _is_same(one: Spline, other: Spline) -> bool:
     return np.array_equal(one.control_points, other.control_points)
 
 
+def _sound(state: ProductState, corner: Corner, radius: float, context: Context) -> ProductState:
+    """Return the network with a corner rounded, unless a surface beside it would fold by that.
+
+    Raises
+    ------
+    UserError
+        If the radius is too large.
+    """
+    job = Job("preview", sources=context.sources)
+    before = _folded(solve_product(state, job))
+
+    def rounded(size: float) -> ProductState:
+        asked = replace(state, rounding=size)
+        return changed(asked, lambda one: _rounded(one, corner, size))
+
+    def fits(size: float) -> bool:
+        return _folded(solve_product(rounded(size), job)) <= before
+
+    made = rounded(radius)
+    if _folded(solve_product(made, job)) > before:
+        reason = f"With a radius of {radius:.4g} mm a surface beside the arc would fold"
+        raise radius_refused(reason, radius, fits, HALVINGS)
+    return made
+
+
+def _folded(result: ProductResult) -> int:
+    """Return how many surfaces fold, or have creases so as not to."""
+    return sum(one.surface is None or bool(one.creased) for one in result.patches)
+
+
 def _dragged(state: ProductState, drag: Drag) -> ProductState:
+    corner, radius = _asked(state, drag)
+    return _rounded(state, corner, radius)
+
+
+def _asked(state: ProductState, drag: Drag) -> tuple[Corner, float]:
+    """Return the corner of a dragged dot, and the radius that is asked for."""
     corner = next(
         (
             one
@@ -113,11 +155,11 @@ def _dragged(state: ProductState, drag: Drag) -> ProductState:
     if corner is None or not drag.handle.startswith(CORNER):
         raise UserError("This corner is not there any more. Drag the dot of another one.")
     if float(np.ptp(drag.path.points, axis=0).max()) < STILL:
-        return _rounded(state, corner, state.rounding)
+        return corner, state.rounding
     radius = corner.radius_through(dragged_to(drag, np.array(corner.handle)))
     if not 0.0 < radius <= LARGEST:
         raise UserError("Drag between the two curves: the arc goes where the pen is.")
-    return _rounded(replace(state, rounding=radius), corner, radius)
+    return corner, radius
 
 
 def _rounded(state: ProductState, corner: Corner, radius: float) -> ProductState:

@@ -12,7 +12,7 @@ from bozzetto.scene import Layer, Scene
 from bozzetto.view import Camera
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.magnets import NearMiss, near_misses
-from bozzetto_product.operations.trim import accept
+from bozzetto_product.operations.proposals import accept
 from bozzetto_product.projection.views import seen_at
 from bozzetto_product.tools.product_tool import CurveTool, changed, standing
 from bozzetto_product.view.scene import JOIN_TOOL, dots, lines

@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 from bozzetto.geometry import Spline
 from bozzetto_product.fill.edge_pieces import opened, pieces_of
 from bozzetto_product.fill.exact_patches import exact_patches
-from bozzetto_product.fill.fair_solution import LoopSides, fairest
+from bozzetto_product.fill.fair_solution import fairest
 from bozzetto_product.fill.loop_fill import fill_loop
+from bozzetto_product.fill.loop_frame import LoopSides
 from bozzetto_product.fill.loop_sides import piece_count, sides_of_loop
 from bozzetto_product.fill.network_fills import fill_net
 from bozzetto_product.fill.normal_field import NormalField

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,6 +27,7 @@ from bozzetto_product.model.state import ProductState
 from bozzetto_product.modeler import ProductModeler
 from bozzetto_product.operations.corners import Corner, corners_of
 from bozzetto_product.operations.fillet import fillet
+from bozzetto_product.operations.largest_radius import radius_refused
 from bozzetto_product.operations.meetings import splines_of
 from bozzetto_product.operations.pieces import split_curve
 from bozzetto_product.operations.rounded_corners import rounded_corner
@@ -433,3 +436,58 @@ def test_an_arc_comes_back_from_a_document_and_is_rounded_anew() -> None:
     anew = ProductModeler().with_parts(again.state, nodes, once.selected)
     wanted = rounded_corner(state, "j7", *_curves_at(state, "j7")[:2], 7.0)
     assert same(anew.node(once.selected).spline, wanted.node(wanted.selected).spline)
+
+
+def test_a_radius_that_is_too_large_is_refused_with_the_largest_one() -> None:
+    state = box()
+    first, second = _curves_at(state, "j7")[:2]
+    with pytest.raises(UserError, match=r"at most ([\d.]+) mm") as refused:
+        rounded_corner(state, "j7", first, second, 900.0)
+    largest = float(re.findall(r"at most ([\d.]+) mm", str(refused.value))[0])
+    rounded_corner(state, "j7", first, second, largest)
+    with pytest.raises(UserError, match="too large"):
+        rounded_corner(state, "j7", first, second, 1.15 * largest)
+    lengths = [
+        np.ptp(splines_of(state)[name].control_points, axis=0).max() for name in (first, second)
+    ]
+    assert 0.9 * min(lengths) <= largest <= min(lengths)  # square: the arc ends at its radius
+
+
+@pytest.mark.parametrize("most", [0.03, 1.0, 7.77])
+def test_the_largest_radius_found_fits(most: float) -> None:
+    told = str(radius_refused("No", 10.0, lambda size: size <= most, 12))
+    found = float(re.findall(r"at most ([\d.e+-]+) mm", told)[0])
+    assert 0.9 * most <= found <= most
+
+
+def test_where_no_radius_fits_none_is_told() -> None:
+    told = str(radius_refused("No", 10.0, lambda size: False, 4))
+    assert "at most" not in told
+    assert "Leave it" in told
+
+
+@pytest.mark.parametrize("radius", [5.0, 12.0])
+def test_a_radius_by_which_a_surface_folds_is_refused(
+    monkeypatch: pytest.MonkeyPatch, radius: float
+) -> None:
+    def solved(made: ProductState, job: Job) -> SimpleNamespace:
+        folds = any(one.radius > 6.0 for one in made.of_kind(Arc))
+        one = SimpleNamespace(surface=object(), creased=(0,) if folds else ())
+        return SimpleNamespace(patches=(one,))
+
+    monkeypatch.setattr("bozzetto_product.tools.fillet.solve_product", solved)
+    state = replace(box(), rounding=radius)
+    corner = next(
+        one
+        for one in corners_of(state.joints, splines_of(state), state.symmetry)
+        if one.joint == "j7"
+    )
+    x, y = VIEW.project(np.array((corner.handle,)))[0][0].tolist()
+    still = Drag(corner.name, Pen(camera=VIEW).along([(x, y), (x + 0.4, y)]))
+    if radius < 6.0:
+        done = Fillet().drag(state, still, Context(camera=VIEW))
+        assert [one.radius for one in done.of_kind(Arc)] == [radius]
+        return
+    with pytest.raises(UserError, match=r"would fold.*at most ([\d.]+) mm") as refused:
+        Fillet().drag(state, still, Context(camera=VIEW))
+    assert 5.0 <= float(re.findall(r"at most ([\d.]+) mm", str(refused.value))[0]) <= 6.0

@@ -54,7 +54,7 @@ def test_the_longer_curve_ends_where_the_other_begins(turned, order):
     x, y, _ = np.eye(3)
     longer, shorter = arc(x, y, -2.0, 0.1), arc(x, y, 0.0, 1.5)
     rows = [longer[::-1] if turned else longer, shorter][::order]
-    made = without_overlaps([spline_through(row, 1e-4) for row in rows], 1e-3)[::order]
+    made = without_overlaps([spline_through(row, 1e-4) for row in rows], 1e-3, 0.1)[::order]
     ends = made[0].control_points[[0, -1]]
     assert np.linalg.norm(ends - 50.0 * x, axis=1).min() < 1e-3
     np.testing.assert_array_equal(made[1].control_points[0], shorter[0])
@@ -70,5 +70,5 @@ def test_what_crosses_or_ends_beside_or_runs_back_stays():
     ]
     for rows in kept:
         splines = [spline_through(row, 1e-4) for row in rows]
-        made = without_overlaps(splines, 1e-3)
+        made = without_overlaps(splines, 1e-3, 0.1)
         assert all(one is other for one, other in zip(made, splines, strict=True))

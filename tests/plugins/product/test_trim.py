@@ -17,7 +17,8 @@ from bozzetto_product.operations.end_moves import moved_to_ends, similar
 from bozzetto_product.operations.magnets import near_misses
 from bozzetto_product.operations.meetings import splines_of
 from bozzetto_product.operations.pieces import delete_curves
-from bozzetto_product.operations.trim import accept, trim
+from bozzetto_product.operations.proposals import accept
+from bozzetto_product.operations.trim import trim
 from tests.plugins.product.drawn_curves import (
     MIRROR,
     SHEET,
