@@ -73,15 +73,10 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
         state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
     told = exactly < EXACT * size
     exact = {joint.id for joint in state.joints} if told else set()
-    placed = {
-        joint.id
-        for joint in state.joints
-        if joint.id in exact and all(meet.at in (0.0, 1.0) for meet in joint.meetings)
-    }
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
         state = _unless_worse(state, closed)
-        state = _unless_worse(state, _as_one(state, width * size, placed))
+        state = _unless_worse(state, _as_one(state, width * size, exact))
         if width == CROSSING:
             reach = NEAR * width * size
             closed, _ = crossings_joined(
