@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from bozzetto.exchange.cad.curve_pieces import polyline
-from bozzetto.exchange.export import Ready, prepare_export
+from bozzetto.exchange.export import prepare_export
 from bozzetto.exchange.export_picture import picture_of_page, picture_of_shapes
 from bozzetto.exchange.handover import Handover
+from bozzetto.exchange.ready_shapes import Ready
 from bozzetto.geometry import Curve, Placement, Shapes, Solid
 from bozzetto.scene import DARK, LIGHT
 from tests.core.exchange.skinned import tube

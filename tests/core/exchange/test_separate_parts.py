@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bozzetto.exchange.export import Ready, Recording, export, prepare_file
+from bozzetto.exchange.export import export, prepare_file
 from bozzetto.exchange.formats import writers
 from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
+from bozzetto.exchange.ready_shapes import Ready, Recording
 from bozzetto.exchange.separate_parts import separate_parts
 from bozzetto.geometry import FaceGroup, Placement, Shapes, Solid
 from tests.core.exchange.skinned import skinned, tube

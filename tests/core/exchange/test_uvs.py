@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import Cancelled
-from bozzetto.exchange.export import Ready, prepare_export, prepare_file
+from bozzetto.exchange.export import prepare_export, prepare_file
 from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
 from bozzetto.exchange.mesh.picture_places import STEP
+from bozzetto.exchange.ready_shapes import Ready
 from bozzetto.geometry import Mesh, Shapes, Solid
 from bozzetto.geometry.atlas.chart_flattening import areas
 from bozzetto.geometry.atlas.unwrapping import Atlas, unwrapped, unwrapped_together

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from bozzetto.errors import UserError
-from bozzetto.exchange.export import Ready, prepare_file
+from bozzetto.exchange.export import prepare_file
 from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.import_file import read_mesh_file
+from bozzetto.exchange.ready_shapes import Ready
 from bozzetto.geometry import Shapes
 from bozzetto.plugin import Job
 from bozzetto_product.hand_over.imported import product_of_network
