@@ -94,8 +94,8 @@ def file_commands(window: Window) -> Iterator[Action]:
         (),
         menu,
         "save",
-        enabled=lambda: session.gestures.motion.can_play,
-        why_not=lambda: tr("File", "Nothing moves here. Take a tool that moves an object."),
+        enabled=lambda: session.gestures.motion.player != "",
+        why_not=lambda: tr("File", "Nothing moves here. Choose an object that can move."),
         tip=tr("File", "The next seconds as an animated GLB, USDZ or GIF, as Play would show them"),
     )
     yield Action(

@@ -280,3 +280,16 @@ def test_a_locked_ball_stays(session, qtbot, settle):
     assert ball(session) is before
     assert any("locked" in notice.text for notice in session.heard)
     assert not session.gestures.motion.is_moving
+
+
+def test_a_film_is_offered_whatever_tool_is_in_the_hand(make_window, springs, settle):
+    window = make_window(MODELER, extra=[springs.package])
+    film = next(one for one in window.actions_.actions() if one.id == "file.film")
+    assert not film.enabled()
+    assert "Choose an object" in film.why_not()
+    hang_a_ball(window.session, settle)
+    for tool in ("pull", "draw"):
+        window.session.toolbox.take_tool(tool)
+        assert film.enabled()
+    window.session.selection.select(None)
+    assert not film.enabled()
