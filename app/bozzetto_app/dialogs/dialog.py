@@ -67,13 +67,23 @@ class Page(QDialog):
         outer.setSpacing(16)
         self.column = QVBoxLayout()
         self.column.setSpacing(12)
-        outer.addLayout(self.column, 1)
+        self._columns = QHBoxLayout()
+        self._columns.setSpacing(24)
+        self._columns.addLayout(self.column, 1)
+        outer.addLayout(self._columns, 1)
         self.in_sight: list[QWidget] = []
         self._pressed: list[QPushButton] = []
         self._buttons = QHBoxLayout()
         self._buttons.setSpacing(8)
         self._buttons.addStretch(1)
         outer.addLayout(self._buttons)
+
+    def add_beside(self) -> QVBoxLayout:
+        """Add a second column to the right of the first one; it is never scrolled."""
+        made = QVBoxLayout()
+        made.setSpacing(12)
+        self._columns.addLayout(made)
+        return made
 
     def add_button(self, words: str, *, default: bool = False) -> QPushButton:
         """Add a button at the lower right; Enter presses the default one."""
@@ -112,7 +122,7 @@ class Page(QDialog):
         outer, inner, area = self.layout(), QWidget(), PanelScroll(self)
         if not isinstance(outer, QVBoxLayout) or self.is_scrolled:
             return  # it is there already
-        outer.removeItem(self.column)
+        self._columns.removeItem(self.column)
         self.column.setParent(None)
         self.column.setContentsMargins(0, 0, 8, 0)
         inner.setLayout(self.column)
@@ -122,7 +132,7 @@ class Page(QDialog):
         self.column.activate()
         bar = area.verticalScrollBar().sizeHint().width()
         area.setMinimumWidth(inner.minimumSizeHint().width() + bar)
-        outer.insertWidget(0, area, 1)
+        self._columns.insertWidget(0, area, 1)
         for number, widget in enumerate(self.in_sight, 1):
             self.column.removeWidget(widget)
             outer.insertWidget(number, widget)

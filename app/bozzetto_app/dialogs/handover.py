@@ -45,8 +45,12 @@ PAUSE_MS: Final = 250
 COLUMNS: Final = 4
 """Formats in a row."""
 
+WIDE: Final = 880
+"""Width of a screen, px, from which on the picture and what is said stand beside the switches."""
+
 PICTURE: Final = (400, 160)
-"""Width and height of the picture, pixels of the window."""
+PICTURE_BESIDE: Final = (320, 280)
+"""Width and height of the picture below the switches and beside them, pixels of the window."""
 
 LIST_HEIGHT: Final = 96
 LABEL_WIDTH: Final = 120
@@ -72,24 +76,12 @@ class HandoverDialog(Page):
         super().__init__("handover", tr("Handover", "Export"), parent)
         self._session, self._questions = session, questions
         self._kept = settings()
-        self.setMinimumWidth(460)
+        self._is_wide = self.screen().availableGeometry().width() >= WIDE
+        self._picture_size = PICTURE_BESIDE if self._is_wide else PICTURE
         self._add_formats()
         self._add_objects()
         self._add_choices()
-        self.state = quiet("")
-        self.state.setMinimumHeight(54)
-        self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.column.addWidget(self.state)
-        self.picture = QLabel()
-        self.picture.setFixedHeight(PICTURE[1])
-        self.picture.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.picture.setAccessibleName(tr("Handover", "Picture of what will be written"))
-        self.column.addWidget(self.picture)
-        self.in_sight.append(self.state)
-        self.warning = label("", tone="warning")
-        self.warning.hide()
-        self.column.addWidget(self.warning)
-        self.column.addStretch(1)  # what is said takes the room: nothing moves under the pointer
+        self._add_what_is_told()
         cancel = self.add_button(tr("Handover", "&Cancel"))
         cancel.clicked.connect(self.reject)
         self.go = self.add_button(tr("Handover", "&Export…"), default=True)
@@ -199,6 +191,30 @@ class HandoverDialog(Page):
         self.lines = self._segments(tr("Handover", "Drawing (SVG, DXF)"), "lines", drawings)
         self.hidden = self._toggle(tr("Handover", "Hidden lines, dashed"), "hidden")
 
+    def _add_what_is_told(self) -> None:
+        """Add the picture of what would be written, its size and warnings, with room for them."""
+        self.state = quiet("")
+        self.state.setMinimumHeight(54)
+        self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self.picture = QLabel()
+        self.picture.setFixedHeight(self._picture_size[1])
+        self.picture.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.picture.setAccessibleName(tr("Handover", "Picture of what will be written"))
+        self.warning = label("", tone="warning")
+        self.warning.hide()
+        if self._is_wide:
+            self.setMinimumWidth(820)
+            self.picture.setFixedWidth(self._picture_size[0])
+            self.column.addStretch(1)
+            told, order = self.add_beside(), (self.picture, self.state, self.warning)
+        else:
+            self.setMinimumWidth(460)
+            self.in_sight.append(self.state)
+            told, order = self.column, (self.state, self.picture, self.warning)
+        for widget in order:
+            told.addWidget(widget)
+        told.addStretch(1)  # what is said takes the room: nothing moves under the pointer
+
     def _segments(self, words: str, key: str, options: list[tuple[str, str]]) -> Segments:
         made = Segments(words, options)
         kept = str(self._kept.value(f"{KEPT}{key}", options[0][0]))
@@ -298,7 +314,8 @@ class HandoverDialog(Page):
     def _look(self) -> None:
         endings = [self._offered[one].endings[0] for one in self.chosen]
         if endings and self.names != ():
-            canvas = PictureCanvas(palette_of(self), PICTURE, self.devicePixelRatioF())
+            ratio = self.devicePixelRatioF()
+            canvas = PictureCanvas(palette_of(self), self._picture_size, ratio)
             self._session.files.exchange.foresee(endings, self.handover, self.names, canvas)
 
     def _show(self, seen: Foreseen) -> None:
@@ -327,12 +344,12 @@ class HandoverDialog(Page):
             height, width = seen.picture.shape[:2]
             pixels = seen.picture.tobytes()
             image = QImage(pixels, width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()
-            image.setDevicePixelRatio(width / PICTURE[0])
+            image.setDevicePixelRatio(width / self._picture_size[0])
             self.picture.setPixmap(QPixmap.fromImage(image))
         self.warning.setText("\n".join(seen.warnings))
         self.warning.setVisible(bool(seen.warnings))
         self._grow()
-        if seen.warnings and self.is_scrolled:
+        if seen.warnings and self.is_scrolled and not self._is_wide:
             below = tr("Handover", "The warnings stand below the switches.")
             self.state.setText(f"{self.state.text()}\n{below}")
         self.go.setEnabled(True)
