@@ -204,9 +204,10 @@ class HandoverDialog(Page):
         self.warning.hide()
         if self._is_wide:
             self.setMinimumWidth(820)
-            self.picture.setFixedWidth(self._picture_size[0])
             self.column.addStretch(1)
             told, order = self.add_beside(), (self.picture, self.state, self.warning)
+            for widget in order:
+                widget.setFixedWidth(self._picture_size[0])
         else:
             self.setMinimumWidth(460)
             self.in_sight.append(self.state)

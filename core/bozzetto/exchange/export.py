@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -196,8 +197,24 @@ def prepare_export(
     return prepare_file(Ready(shapes, handover), path, camera)
 
 
-def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | None) -> Exported:
+def prepare_file(
+    ready: Ready,
+    path: str | os.PathLike[str],
+    camera: Camera | None,
+    others: Sequence[Format] = (),
+) -> Exported:
     """Return the file of shapes that are ready.
+
+    Parameters
+    ----------
+    ready : Ready
+        The shapes and the wishes.
+    path : path
+        Its ending names the format. Nothing is written there.
+    camera : Camera, optional
+        The view, for flat formats.
+    others : sequence of Format
+        Those of files that are written with it.
 
     Raises
     ------
@@ -211,7 +228,7 @@ def prepare_file(ready: Ready, path: str | os.PathLike[str], camera: Camera | No
         shapes = Shapes(curves=shapes.curves)
     _check(shapes, chosen)
     parts, left_out = _readably_named(with_place(shapes, chosen)), parts_left_out(shapes, chosen)
-    notes = unmet_wishes(chosen, ready, camera)
+    notes = unmet_wishes(chosen, ready, camera, others)
     if chosen.flat:
         data: bytes = function(chosen, "write_view")(parts, camera)
         return Exported(chosen, data, parts, left_out, notes=notes)

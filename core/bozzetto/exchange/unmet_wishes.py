@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from bozzetto.exchange.formats import Format
@@ -49,8 +50,22 @@ def _frame_notes(chosen: Format, wanted: Handover, camera: Camera | None) -> tup
     return tuple(found)
 
 
-def unmet_wishes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[str, ...]:
-    """Return a sentence about each wish that a format does not fulfil."""
+def unmet_wishes(
+    chosen: Format, ready: Ready, camera: Camera | None, others: Sequence[Format] = ()
+) -> tuple[str, ...]:
+    """Return a sentence about each wish that a format does not fulfil.
+
+    Parameters
+    ----------
+    chosen : Format
+        Of the file.
+    ready : Ready
+        The shapes and the wishes.
+    camera : Camera, optional
+        The view, for flat formats.
+    others : sequence of Format
+        Those of the other files: who chose one that holds a drawing knows that this one does not.
+    """
     wanted = ready.handover
     found = list(_frame_notes(chosen, wanted, camera))
     drawn = wanted.lines is not None and chosen.draws
@@ -58,7 +73,8 @@ def unmet_wishes(chosen: Format, ready: Ready, camera: Camera | None) -> tuple[s
         found.append(f"{chosen.short} files hold one level of detail: the finest. GLB holds all.")
     if wanted.levels and ready.recording is not None and "motions" in chosen.keeps:
         found.append("What was recorded is not in files with several levels of detail.")
-    if wanted.lines is not None and "lines" not in chosen.heeds:
+    is_drawn = any("lines" in one.heeds for one in (chosen, *others))
+    if wanted.lines is not None and not is_drawn:
         kind = "a blueprint" if wanted.lines == "blueprint" else "outlines"
         found.append(f"{chosen.short} files hold the shapes themselves. SVG and DXF hold {kind}.")
     if wanted.hidden and wanted.lines is None:

@@ -219,7 +219,7 @@ def prepared_files(
     for chosen, path in zip(formats, paths, strict=True):
         shown = chosen.flat or (chosen.draws and handover.lines is not None)
         seen = _camera_for(ready, camera, view, whole=whole) if shown else camera
-        file = prepare_file(ready, path, seen)
+        file = prepare_file(ready, path, seen, formats)
         notes = file.notes
         if view is not None and not shown:
             notes = (*notes, f"{chosen.short} files hold all sides and no view of them.")

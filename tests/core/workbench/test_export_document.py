@@ -10,6 +10,7 @@ import pytest
 
 from bozzetto.document.model import Document, Model, OpaqueState, new_id
 from bozzetto.errors import UserError
+from bozzetto.exchange.handover import Handover
 from bozzetto.exchange.svg.path_data import parse_path
 from bozzetto.geometry import Curve, Mesh, Shapes, Solid
 from bozzetto.plugin.host.registry import Registry
@@ -177,6 +178,16 @@ def test_a_view_that_changes_nothing_is_told():
     plain = prepared_file(objects, "a.step", None)
     seen = prepared_file(objects, "a.step", None, view="top")
     assert len(seen.notes) == len(plain.notes) + 1
+
+
+def test_that_a_file_is_no_drawing_is_not_told_beside_a_drawing():
+    """Who asks for a blueprint and a STEP file in one export wants both."""
+    objects = ObjectShapes(Shapes(curves=(curve(),)))
+    blueprint = Handover(lines="blueprint")
+    alone = prepared_file(objects, "a.step", None, handover=blueprint)
+    step, drawing = prepared_files(objects, ["a.step", "a.svg"], None, handover=blueprint)
+    assert any("hold a blueprint" in note for note in alone.notes)
+    assert step.notes == drawing.notes == ()
 
 
 def test_views_of_a_page():
