@@ -20,9 +20,12 @@ if TYPE_CHECKING:
 
     from bozzetto.arrays import Array, Flags, Index
 
-CROWDED: Final = 0.3
-"""Length of the creases, in sides of squares, for each square that is wanted, from which they are
-roughness: on sound shapes there are half as many, on scans several times as many."""
+FEW: Final = 0.1
+"""Length of the creases, in sides of squares, for each square that is wanted, up to which squares
+follow them: on scans there are several times as many."""
+
+LESS: Final = 0.5
+"""Share of the creases that is left of roughness at most when it is faired; real ones stay."""
 
 FORTH: Final = 0.5
 BACK: Final = -0.53
@@ -30,7 +33,7 @@ BACK: Final = -0.53
 round."""
 
 ROUNDS: Final = 4
-"""Rounds after which creases are looked for anew."""
+"""Rounds of fairing after which creases are looked for anew."""
 
 MOST_TIMES: Final = 6
 """How often that is done at most."""
@@ -51,9 +54,10 @@ NEARLY_ALL: Final = 0.95
 def calmed(
     points: Array, faces: Index, count: int, side: float, checkpoint: Callable[[], None]
 ) -> Array:
-    """Return vertices moved so that creases are no more than squares can follow, (n, 3).
+    """Return vertices moved so that creases are hardly more than squares can follow, (n, 3).
 
-    The points themselves where that holds already, or where it would change the shape.
+    The points themselves where that holds already, where the creases are real, or where it would
+    change the shape.
 
     Parameters
     ----------
@@ -69,15 +73,18 @@ def calmed(
         Called between steps; may raise to stop.
     """
     edges = edges_of(faces)
-    made = points
+    made, length = points, _length_of_creases(points, faces, edges)
     for _ in range(MOST_TIMES):
         checkpoint()
-        if _length_of_creases(made, faces, edges) <= CROWDED * count * side:
-            moved = np.linalg.norm(made - points, axis=1)
-            near = moved <= MOVED * side
-            return made if near.mean() >= NEARLY_ALL else points
-        made = _faired(made, edges)
-    return points
+        if length <= FEW * count * side:
+            break
+        faired = _faired(made, edges)
+        before, length = length, _length_of_creases(faired, faces, edges)
+        if length > LESS * before:
+            break
+        made = faired
+    near = np.linalg.norm(made - points, axis=1) <= MOVED * side
+    return made if near.mean() >= NEARLY_ALL else points
 
 
 def denoised(points: Array, faces: Index, checkpoint: Callable[[], None]) -> Array:
