@@ -24,6 +24,7 @@ from bozzetto_app.session.format_order import offered_formats
 from bozzetto_app.settings import settings
 from bozzetto_app.style.theme import FRAME
 from bozzetto_app.toolkit import palette_of
+from bozzetto_app.toolkit.panel_scroll import PanelScroll
 from bozzetto_app.widgets.choice import Segments
 from bozzetto_app.widgets.number_field import NumberField
 from bozzetto_app.widgets.toggle import Toggle
@@ -205,16 +206,22 @@ class HandoverDialog(Page):
         if self._is_wide:
             self.setMinimumWidth(820)
             self.column.addStretch(1)
-            told, order = self.add_beside(), (self.picture, self.state, self.warning)
-            for widget in order:
+            beside, warnings = self.add_beside(), PanelScroll(self)
+            self.warning.setAlignment(Qt.AlignmentFlag.AlignTop)
+            warnings.setWidget(self.warning)
+            warnings.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+            for widget in (self.picture, self.state, warnings):
                 widget.setFixedWidth(self._picture_size[0])
+                beside.addWidget(widget)
+            beside.setStretchFactor(warnings, 1)  # many are scrolled: the buttons stay in reach
         else:
             self.setMinimumWidth(460)
             self.in_sight.append(self.state)
-            told, order = self.column, (self.state, self.picture, self.warning)
-        for widget in order:
-            told.addWidget(widget)
-        told.addStretch(1)  # what is said takes the room: nothing moves under the pointer
+            for widget in (self.state, self.picture, self.warning):
+                self.column.addWidget(widget)
+            self.column.addStretch(
+                1
+            )  # what is said takes the room: nothing moves under the pointer
 
     def _segments(self, words: str, key: str, options: list[tuple[str, str]]) -> Segments:
         made = Segments(words, options)

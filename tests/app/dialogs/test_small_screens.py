@@ -129,3 +129,33 @@ def test_the_palette_ends_above_the_foot_of_a_low_window(make_window, qtbot):
         assert bottom <= window.mapToGlobal(QPoint(0, window.height())).y()
         assert palette.list.count() > palette.list.height() // palette.list.sizeHintForRow(0) >= 3
         palette.close()
+
+
+@pytest.mark.parametrize("screen", [SCREENS[2], QSize(1366, 768)])
+def test_many_warnings_of_an_export_leave_its_buttons_in_reach(
+    screen, make_window, settle, qtbot, monkeypatch
+):
+    window = make_window()
+    Stylus(window.canvas).draw(circle(radius=60.0))
+    settle(window.session, window.keeper)
+    window.show()
+    monkeypatch.setattr(QScreen, "availableGeometry", lambda _: QRect(QPoint(), screen))
+    seen = []
+    exchange = window.session.files.exchange
+    exchange.foreseen.connect(seen.append)
+    window.actions_.run("file.export")
+    (page,) = [
+        widget
+        for widget in QApplication.topLevelWidgets()
+        if isinstance(widget, Page) and widget.isVisible()
+    ]
+    qtbot.waitUntil(page.go.isEnabled, timeout=20_000)
+    sentence = "Left out of the file: 16 curves (such files hold triangles only)."
+    exchange.foreseen.emit(seen[-1]._replace(warnings=(sentence,) * 40))
+    QApplication.processEvents()
+    assert page.warning.text().count(sentence) == 40
+    assert page.minimumSizeHint().height() <= screen.height() - FRAME[1]
+    place = QRect(page.go.mapTo(page, QPoint()), page.go.size())
+    assert page.rect().contains(place)
+    assert page.height() <= screen.height() - FRAME[1]
+    page.reject()
