@@ -164,7 +164,9 @@ def shorten_tangents(network: Network, edges: Collection[int] | None = None) -> 
     return with_tangents(network, changed)
 
 
-def anneal(network: Network, chains: Collection[str] | None = None) -> Network:
+def anneal(
+    network: Network, chains: Collection[str] | None = None, character: float = 0.0
+) -> Network:
     """Give chains the least bending through their nodes, which stay where they are.
 
     Between nodes at which a chain is not smooth it becomes the natural cubic spline: of all
@@ -179,11 +181,14 @@ def anneal(network: Network, chains: Collection[str] | None = None) -> Network:
         The network to change.
     chains : collection of str, optional
         Names of chains; all by default. Mirror images follow.
+    character : float
+        From 0 to 1: the share of the second derivatives of the given edges from which bending is
+        measured. With 0 straight edges are the best ones, with 1 the given ones.
     """
     changed: dict[tuple[int, int], Array] = {}
     for chain, first, last in smooth_parts(network.template):
         if chains is None or chain.name in chains:
-            changed |= _bent_least(network, chain, first, last)
+            changed |= _bent_least(network, chain, first, last, character)
     return with_tangents(network, changed)
 
 
@@ -217,13 +222,16 @@ def own_edges(template: Template, edges: Collection[int]) -> set[int]:
 
 
 def _bent_least(
-    network: Network, chain: Chain, first: int, last: int
+    network: Network, chain: Chain, first: int, last: int, character: float = 0.0
 ) -> dict[tuple[int, int], Array]:
     """Return the tangents of a smooth part of a chain with the least bending."""
     changed = {}
     nodes, edges = chain.nodes[first : last + 1], chain.edges[first:last]
     steps = _parameter_lengths(network, nodes, edges)
-    speeds = _natural_speeds(network.positions[list(nodes)], steps)
+    places = network.positions[list(nodes)]
+    straight = (np.diff(places, axis=0) / steps[:, None])[:, None]
+    given = np.array([_along(network, edge) for edge in edges]) / steps[:, None, None]
+    speeds = _least_bending(straight + character * (given - straight), steps)
     for at, (edge, step) in enumerate(zip(edges, steps, strict=True)):
         begin, finish = step * speeds[at], step * speeds[at + 1]
         if edge >= 0:
@@ -231,6 +239,11 @@ def _bent_least(
         else:
             changed[~edge, 0], changed[~edge, 1] = -finish, -begin
     return changed
+
+
+def _along(network: Network, edge: int) -> Array:
+    """Return both tangents of an edge in the sense in which its chain runs, (2, 3)."""
+    return network.tangents[edge] if edge >= 0 else -network.tangents[~edge, ::-1]
 
 
 def smooth_parts(template: Template) -> Iterator[tuple[Chain, int, int]]:
@@ -262,14 +275,27 @@ def _parameter_lengths(network: Network, nodes: tuple[int, ...], edges: tuple[in
     return np.asarray(np.array(lengths) * (polygon / sum(lengths)))
 
 
-def _natural_speeds(places: Array, steps: Array) -> Array:
-    """Return the derivatives, at its knots, of the natural cubic spline through places, (k, 3)."""
-    count = len(places)
+def _least_bending(wanted: Array, steps: Array) -> Array:
+    """Return the derivatives of the cubic spline whose second ones differ least from given ones.
+
+    Parameters
+    ----------
+    wanted : (k - 1, 2, 3) float
+        Derivatives at both ends of each piece, which has the same ends. Those of a straight piece
+        give the natural cubic spline.
+    steps : (k - 1,) float
+        Lengths of the parameter.
+
+    Returns
+    -------
+    (k, 3) float
+        The derivatives at the knots.
+    """
+    count = len(steps) + 1
     matrix, right = np.zeros((count, count)), np.zeros((count, 3))
     for at, step in enumerate(steps):  # both ends of a piece: what its bending adds
-        rise = 3.0 * (places[at + 1] - places[at]) / step**2
-        for own, other in ((at, at + 1), (at + 1, at)):
-            matrix[own, own] += 2.0 / step
-            matrix[own, other] += 1.0 / step
-            right[own] += rise
+        for own, other in ((0, 1), (1, 0)):
+            matrix[at + own, at + own] += 2.0 / step
+            matrix[at + own, at + other] += 1.0 / step
+            right[at + own] += (2.0 * wanted[at, own] + wanted[at, other]) / step
     return np.asarray(np.linalg.solve(matrix, right))

@@ -29,8 +29,9 @@ SMOOTH: Final = 0.1
 CREASE_SAMPLES: Final = 33
 """Places along an edge in which its crease is measured."""
 
-ROUNDING: Final = 8.0 * float(np.finfo(float).eps)
-"""Change of the logarithm of a ratio that is no more than rounding."""
+ROUNDING: Final = 64.0 * float(np.finfo(float).eps)
+"""Change of the logarithm of a ratio that is no more than rounding: control points are kept, and a
+length is that of a difference of two of them, which may be thirty times as far from the origin."""
 
 KNOWN: Final = 16
 """Number of networks whose rows of joints are remembered."""
