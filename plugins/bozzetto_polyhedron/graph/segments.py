@@ -42,6 +42,9 @@ LEAST_SPREAD, SPREAD = 0.0025, 0.004
 """Root mean square distance of a straight run from its line: shares of the diagonal, and of its
 length beside that."""
 
+LEAST_RUN, FARTHEST = 3, 8
+"""Samples of a run at least, and how far a corner moves at most to where it is sharpest."""
+
 AT_CORNER: Final = 0.012
 """Shares of the diagonal beside a corner along which its turn is measured, at least."""
 
@@ -321,8 +324,8 @@ def _bow_cost(path: Array) -> float:
     """Return the sum of squared distances of a run from the parabola nearest to it, across it."""
     away = path - path.mean(0)
     x, y = np.linalg.svd(away, full_matrices=False)[2] @ away.T
-    fitted = np.polynomial.Polynomial.fit(x, y, 2)
-    return float(((y - fitted(x)) ** 2).sum())
+    base = np.linalg.qr(np.column_stack((np.ones_like(x), x, x * x)))[0]
+    return float(y @ y - ((y @ base) ** 2).sum())
 
 
 def _direction(path: Array) -> Array:
@@ -360,12 +363,37 @@ def _polyline(path: Array, size: float) -> list[tuple[int, int]]:
         through = best[:, None] + cost
         came.append(through.argmin(0))
         best = through.min(0)
-    at = count - 1
-    runs = []
+    corners = [count - 1]
     for back in reversed(came):
-        runs.append((int(back[at]), at))
-        at = int(back[at])
-    return [(0, at), *runs[::-1]]
+        corners.append(int(back[corners[-1]]))
+    return list(pairwise(_between_bows(path, [0, *corners[::-1]])))
+
+
+def _between_bows(path: Array, corners: list[int]) -> list[int]:
+    """Move each corner a little, to where the runs beside it are two parabolas most nearly.
+
+    A long run may be farther off in each sample than a short one, and takes samples of it; and a
+    bowed one turns beside its ends.
+
+    Parameters
+    ----------
+    path : (n, 2) float64
+        Samples of the stroke.
+    corners : list of int
+        Ends of all runs, the first and the last sample included.
+    """
+    moved = list(corners)
+    for k in range(1, len(corners) - 1):
+        before, corner, after = moved[k - 1], corners[k], corners[k + 1]
+        costs = {
+            at: _bow_cost(path[before : at + 1]) + _bow_cost(path[at : after + 1])
+            for at in range(
+                max(before + LEAST_RUN, corner - FARTHEST),
+                min(after - LEAST_RUN, corner + FARTHEST) + 1,
+            )
+        }
+        moved[k] = min(costs, key=costs.__getitem__, default=corner)
+    return moved
 
 
 def _joined(path: Array, size: float, runs: list[tuple[int, int]]) -> list[tuple[int, int]]:
