@@ -381,12 +381,17 @@ class Scene:
 
         The vertices of meshes, the points of lines and marks; of a scene that has neither, the
         corners of images. What belongs to a tool does not count, for it comes and goes with it.
-        Beyond `MOST_FRAMED` points are thinned out evenly.
+        Beyond `MOST_FRAMED` points are thinned out evenly. They cannot be written to.
         """
+        return self._framed_points
+
+    @cached_property
+    def _framed_points(self) -> NDArray[np.float64]:
         layers = [layer for layer in self.layers if not layer.tool]
         parts = [layer.points for layer in layers if len(layer.points)]
-        found = _thinned(parts or [layer.corners for layer in layers])
-        return np.asarray(found, np.float64)
+        found = np.array(_thinned(parts or [layer.corners for layer in layers]), np.float64)
+        found.setflags(write=False)
+        return found
 
 
 def _thinned(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:

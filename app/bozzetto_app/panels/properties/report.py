@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, NamedTuple
+from itertools import takewhile
+from time import monotonic
+from typing import Any, Final, Literal, NamedTuple
 
-from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtCore import QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QSizePolicy, QWidget
 
@@ -39,6 +41,9 @@ MOST_IN_A_ROW = 4
 
 LARGEST_WRITTEN_OUT = 1e9
 """Beyond it, a number is written with a power of ten."""
+
+SLICE: Final = 0.008
+"""Time for rows between two looks at what the person does, s."""
 
 THIN_SPACE = "\u202f"
 MINUS = "\u2212"
@@ -249,7 +254,15 @@ class Figures(QWidget):
         self._grid.setVerticalSpacing(4)
         self._grid.setColumnStretch(1, 1)
         self._rows: tuple[Row, ...] = ()
-        self._labels: list[tuple[QLabel, QLabel]] = []
+        self._made: list[_MadeRow] = []
+        # Rows are made between two frames, as those of forms are: all of them take longer than one.
+        self._soon = QTimer(self, singleShot=True, interval=1)
+        self._soon.timeout.connect(self._make_more)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether all rows are there; many are made in a few turns of the loop."""
+        return not self._soon.isActive()
 
     def show_report(
         self, report: Mapping[str, Any], figures: Mapping[str, Figure], part: str = ""
@@ -259,25 +272,41 @@ class Figures(QWidget):
         Rows of the same kinds only get other words: reports come with every stroke, and
         making a row takes a millisecond or two of the window's time.
         """
-        rows = tuple(rows_of(report, figures, part=part))
-        if list(map(_kind, rows)) != list(map(_kind, self._rows)):
-            self._make_rows(rows)
-        for row, (words, value) in zip(rows, self._labels, strict=True):
-            words.setText(row.key)
-            words.setToolTip(row.tip)
-            value.setText(row.value or "")
-        self._rows = rows
+        self._rows = tuple(rows_of(report, figures, part=part))
+        kinds = zip(self._made, map(_kind, self._rows), strict=False)
+        kept = list(takewhile(lambda both: both[0].kind == both[1], kinds))
+        for made in self._made[len(kept) :]:
+            made.remove_from(self._grid)
+        del self._made[len(kept) :]
+        for made, row in zip(self._made, self._rows, strict=False):
+            made.show_words(row)
+        self._make_more()
 
-    def _make_rows(self, rows: Sequence[Row]) -> None:
-        while (item := self._grid.takeAt(0)) is not None:
-            widget = item.widget()
-            if widget is not None:
-                widget.hide()
-                widget.deleteLater()
-        self._labels = [self._make_row(place, row) for place, row in enumerate(rows)]
+    def _make_more(self) -> None:
+        """Make rows for a moment; the others follow."""
+        self._soon.stop()
+        end = monotonic() + SLICE
+        while len(self._made) < len(self._rows):
+            if monotonic() > end:
+                self._soon.start()
+                return
+            self._made.append(_MadeRow(self._grid, len(self._made), self._rows[len(self._made)]))
 
-    def _make_row(self, place: int, row: Row) -> tuple[QLabel, QLabel]:
-        words, value = QLabel(), QLabel()
+
+class _MadeRow:
+    """The widgets of a row.
+
+    Attributes
+    ----------
+    kind : tuple
+        What of the row cannot be changed any more.
+    """
+
+    def __init__(self, grid: QGridLayout, place: int, row: Row) -> None:
+        self.kind = _kind(row)
+        self._words, self._value = words, value = QLabel(row.key), QLabel(row.value or "")
+        self._mark = None if row.value is None else _Mark(row.mark)
+        words.setToolTip(row.tip)
         for label in (words, value):
             label.setTextFormat(Qt.TextFormat.PlainText)
         words.setIndent(8 * row.depth)
@@ -286,17 +315,29 @@ class Figures(QWidget):
             value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
             value.setWordWrap(True)
-            self._grid.addWidget(words, place, 0)
-            self._grid.addWidget(value, place, 1)
+            grid.addWidget(words, place, 0)
+            grid.addWidget(value, place, 1)
         else:
             # Names of parts and remarks may be long: they take more lines, never more room.
             words.setWordWrap(True)
             words.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
             words.setProperty("type", "heading" if row.value is None else "")
-            self._grid.addWidget(words, place, 0, 1, 3 if row.value is None else 2)
-        if row.value is not None:
-            self._grid.addWidget(_Mark(row.mark), place, 2)
-        return words, value
+            grid.addWidget(words, place, 0, 1, 3 if row.value is None else 2)
+        if self._mark is not None:
+            grid.addWidget(self._mark, place, 2)
+
+    def show_words(self, row: Row) -> None:
+        """Show the words of another row of the same kind."""
+        self._words.setText(row.key)
+        self._words.setToolTip(row.tip)
+        self._value.setText(row.value or "")
+
+    def remove_from(self, grid: QGridLayout) -> None:
+        """Take the row off the panel."""
+        for widget in filter(None, (self._words, self._value, self._mark)):
+            grid.removeWidget(widget)
+            widget.hide()
+            widget.deleteLater()
 
 
 def _kind(row: Row) -> tuple[int, Mark, bool, bool]:
