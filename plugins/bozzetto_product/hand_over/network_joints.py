@@ -48,7 +48,12 @@ MOST_DOUBTFUL: Final = 40
 """Joints that are tried one by one: each costs a search for all loops."""
 
 
-def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> ProductState:
+def joined_state(
+    curves: Sequence[Curve],
+    size: float,
+    exactly: float,
+    cut: Collection[tuple[str, float]] = (),
+) -> ProductState:
     """Return a network of curves, joined where they meet or nearly do.
 
     What has surfaces on both sides already, as the body of a pot and its handle that goes into it,
@@ -63,6 +68,9 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
         Diagonal of the network, mm.
     exactly : float
         The same to a tolerance of one, by which `joints_of` knows what meets, mm.
+    cut : collection of (str, float)
+        Ids of curves that are shorter than in the file, with the share, 0 or 1, of the end: that it
+        meets others there exactly is no sign that it was meant to.
     """
     splines = [curve.spline for curve in curves if curve.spline is not None]
     drawn = ProductState(nodes=tuple(curves))
@@ -72,7 +80,11 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
     if every != alone:
         state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
     told = exactly < EXACT * size
-    exact = {joint.id for joint in state.joints} if told else set()
+    exact = {
+        joint.id
+        for joint in state.joints
+        if told and sum((meet.curve, meet.at) not in cut for meet in joint.meetings) > 1
+    }
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
         state = _unless_worse(state, closed)
