@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
 import numpy as np
 
+from bozzetto.geometry import Spline
+from bozzetto_product.hand_over.overlaps import TAIL
 from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.loops.finding import find_loops
 from bozzetto_product.model.curves import Curve
-from bozzetto_product.model.joints import Joint
+from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.crossings import Crossing
 from bozzetto_product.operations.meetings import (
@@ -103,7 +105,8 @@ def _as_one(state: ProductState, reach: float, placed: Collection[str]) -> Produ
 
     Of four curves that a hand drew to one place two pairs may meet beside one another, or a third
     one a little before the end of the others. Where an edge goes from one joint to the other, both
-    are meant, and so they are where ends meet exactly in both; the tail of a curve is no edge.
+    are meant, and so they are where ends meet exactly in both; the tail of a curve, up to a quarter
+    of it, is no edge.
 
     Parameters
     ----------
@@ -130,11 +133,17 @@ def _as_one(state: ProductState, reach: float, placed: Collection[str]) -> Produ
         one, other = (state.joints[number] for number in pair)
         if one.id in placed and other.id in placed:
             continue
-        ends = {meet.curve: is_end(splines, meet) for meet in one.meetings}
-        common = [meet for meet in other.meetings if meet.curve in ends]
-        if all(ends[meet.curve] != is_end(splines, meet) for meet in common):
+        own = {meet.curve: meet for meet in one.meetings}
+        common = [(own[meet.curve], meet) for meet in other.meetings if meet.curve in own]
+        if all(_is_tail(splines, *pair) for pair in common):
             return _as_one(_merged(state, one, other), reach, placed)
     return state
+
+
+def _is_tail(splines: Mapping[str, Spline], one: Meeting, other: Meeting) -> bool:
+    """Whether a curve between two of its meetings is its tail: up to its end, and short."""
+    ends = is_end(splines, one) != is_end(splines, other)
+    return ends and abs(one.at - other.at) <= TAIL
 
 
 def _merged(state: ProductState, one: Joint, other: Joint) -> ProductState:

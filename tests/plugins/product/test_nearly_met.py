@@ -6,6 +6,7 @@ import pytest
 from bozzetto_product.hand_over.network_file import network_of
 from bozzetto_product.hand_over.overlaps import without_overlaps
 from bozzetto_product.hand_over.point_fit import spline_through
+from bozzetto_product.model.curves import Curve
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.meetings import meeting_place, splines_of
 from tests.plugins.product.test_rough_files import facts, solved, turned
@@ -78,6 +79,25 @@ def test_a_narrow_strip_keeps_both_of_its_sides(off):
     given["first"] = given["first"] + (off, 0.0, 0.0)
     state = network_of(facts(given)).state
     assert len(state.joints) == 4
+
+
+def test_a_short_curve_beside_another_joint_keeps_both_of_its_ends():
+    """A small ring of three curves on a knob: its corners are near a joint of the body."""
+    at = np.linspace(0.0, 1.0, 13)[:, None]
+    x, y, z = np.eye(3)
+    corners = 1.6 * np.array((x, 0.5 * y - 0.5 * x, -0.5 * y - 0.5 * x))
+    small = {}
+    for k in range(3):
+        begin, end = corners[k] + 0.05 * z * (k - 1), corners[(k + 1) % 3] - 0.03 * z
+        small[f"s{k}"] = begin + at * (end - begin) + 0.02 * at * (1 - at) * z
+    body = {
+        "up": corners[0] + 50.0 * at * z,
+        "away": 0.5 * (corners[1] + corners[2]) - 60.0 * at * x,
+    }
+    state = network_of(facts({**small, **body})).state
+    names = {curve.id: curve.name for curve in state.of_kind(Curve)}
+    met = sorted(tuple(sorted(names[m.curve] for m in joint.meetings)) for joint in state.joints)
+    assert met == [("away", "s1"), ("s0", "s1"), ("s0", "s2", "up"), ("s1", "s2")]
 
 
 @pytest.mark.parametrize("case", ["crossed", "passed", "not crossed", "another ends there"])
