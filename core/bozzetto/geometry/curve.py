@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bozzetto.arrays import Array, frozen
-from bozzetto.geometry.basis import curve_derivative, lifted, lowered
+from bozzetto.geometry.basis import curve_derivative, lifted, lowered, span_parameters
+from bozzetto.geometry.kept_answers import kept
 from bozzetto.geometry.refinement import refined
 
 if TYPE_CHECKING:
@@ -88,6 +89,21 @@ class Curve:
         return curve_derivative(
             self.degree, self.knots, self.control_points, self.weights, at, order
         )
+
+    def polyline(self, steps: int) -> tuple[Array, Array]:
+        """Return parameters, (n,), and places of a polyline near the curve, (n, 3) mm.
+
+        Parameters
+        ----------
+        steps : int
+            Segments for every span; straight ones get one.
+        """
+
+        def made() -> tuple[Array, Array]:
+            at = span_parameters(self.degree, self.knots, steps if self.degree > 1 else 1)
+            return at, self.value(at)
+
+        return kept(self, ("polyline", steps), made)
 
     def placed(self, placement: Placement) -> Curve:
         """Return the curve moved by a placement."""

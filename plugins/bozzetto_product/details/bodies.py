@@ -17,7 +17,7 @@ from bozzetto.view import Rays
 from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
-from bozzetto_product.details.emblem_places import LOST
+from bozzetto_product.details.emblem_places import LOST, hanging_outlines
 from bozzetto_product.details.floor_places import LaidFloor, on_floors
 from bozzetto_product.details.ground import (
     Ground,
@@ -34,6 +34,7 @@ from bozzetto_product.details.shell import Owner, Shell
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.emblems import Emblem
 from bozzetto_product.model.planes import Plane
+from bozzetto_product.projection.planes import mirror_image
 
 BEHIND: Final = 1e-4
 """Share of the size behind a surface from which on its far side is sought."""
@@ -189,8 +190,11 @@ def _with_detail(
     try:
         places = outline_of(detail, grounds)
     except UserError as error:
-        row = SolvedDetail(detail, mirrored, problem=str(error))
-        return replace(made, details=(*made.details, row))
+        rows = hanging_outlines(detail, grounds) if isinstance(detail, Emblem) else []
+        seen = tuple(mirror_image(row, symmetry) if mirrored else row for row in rows)
+        return replace(
+            made, details=(*made.details, SolvedDetail(detail, mirrored, seen, str(error)))
+        )
     followed = followed_places(grounds, places, plane)
     if followed is None:
         row = SolvedDetail(detail, mirrored, problem=LOST)

@@ -29,6 +29,9 @@ NEAR_START: Final = 1e-6
 NEAR: Final = 1e-4
 """Distance in space, as share of the size, within which a crossing is on the face walked."""
 
+SAMPLES: Final = 8
+"""Segments of each span of a curved edge for its polyline."""
+
 ROUNDS: Final = 25
 """Most steps of Newton's method."""
 
@@ -221,7 +224,7 @@ def crossings_with(shell: Shell, chart: Chart, ring: Ring, trim: Trim) -> list[C
     """Return where a ring crosses an edge, seen in the chart."""
     if trim.edge is None:
         return []
-    at, places = shell.polyline(trim.edge)
+    at, places = shell.edges[trim.edge].polyline(SAMPLES)
     pairs = _segments_that_cross(ring.polyline, chart.flat(places))
     found: list[Crossing] = []
     for i, share, j, other in pairs:
@@ -260,11 +263,11 @@ def _met(
 
 def _segments_that_cross(one: Array, two: Array) -> list[tuple[int, float, int, float]]:
     """Return pairs of segments of two polylines that cross, with the shares along them."""
-    a, b = one[:-1], one[1:] - one[:-1]
-    c, d = two[:-1], two[1:] - two[:-1]
     low = np.maximum(one.min(axis=0), two.min(axis=0))
     if (low > np.minimum(one.max(axis=0), two.max(axis=0))).any():
         return []
+    a, b = one[:-1], one[1:] - one[:-1]
+    c, d = two[:-1], two[1:] - two[:-1]
     whole = b[:, None, 0] * d[None, :, 1] - b[:, None, 1] * d[None, :, 0]
     way = c[None] - a[:, None]
     safe = np.where(whole == 0.0, np.inf, whole)

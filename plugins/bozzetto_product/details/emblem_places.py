@@ -10,7 +10,7 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto_product.details.ground import Ground, followed_outline, kept_places
-from bozzetto_product.details.outline_places import laid_flat
+from bozzetto_product.details.outline_places import laid_flat, placed_flat
 from bozzetto_product.model.details import OutlinePlaces
 from bozzetto_product.model.emblems import Emblem
 
@@ -36,6 +36,34 @@ def emblem_outlines(emblem: Emblem, grounds: Sequence[Ground]) -> list[Array]:
     UserError
         If there are none, or a part of them is beside the surfaces.
     """
+    rows, at, up, width, turn = _written(emblem, grounds)
+    return laid_flat(rows, at, up, width, grounds, turn)
+
+
+def hanging_outlines(emblem: Emblem, grounds: Sequence[Ground]) -> list[Array]:
+    """Return the outlines of an emblem in its tangent plane, (n, 3) mm each, closed.
+
+    So it is seen where it is, though a part of it is beside the surfaces. None without a text or
+    without a place.
+    """
+    try:
+        rows, at, up, width, turn = _written(emblem, grounds)
+    except UserError:
+        return []
+    placed = placed_flat(rows, at, up, width, grounds, turn)
+    return [np.vstack((row, row[:1])) for row in placed]
+
+
+def _written(
+    emblem: Emblem, grounds: Sequence[Ground]
+) -> tuple[list[Array], Array, Array, float, float]:
+    """Return flat outlines, their middle, what is up, their width, mm, and turn, radians.
+
+    Raises
+    ------
+    UserError
+        If there is no text, or its surface is gone.
+    """
     flat = emblem.flat
     if flat is None or not len(flat.starts):
         raise UserError(UNWRITTEN)
@@ -45,4 +73,4 @@ def emblem_outlines(emblem: Emblem, grounds: Sequence[Ground]) -> list[Array]:
     at, above = followed.points[:2]
     extent = np.ptp(flat.points, axis=0)
     width = float(extent[0]) * emblem.height / (1.0 if flat.text else float(extent[1]))
-    return laid_flat(flat.rows, at, above - at, width, grounds, float(np.radians(emblem.turn)))
+    return list(flat.rows), at, above - at, width, float(np.radians(emblem.turn))

@@ -14,7 +14,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Face, ParameterCurve, Trim
 from bozzetto.ink import signed_area
 from bozzetto_product.details.course import CROSSES, Crossing
-from bozzetto_product.details.shell import EdgePieces, parameters_of
+from bozzetto_product.details.shell import EdgePieces
 
 if TYPE_CHECKING:
     import shapely
@@ -116,8 +116,8 @@ def ring_of(loop: Sequence[Trim]) -> Array:
     """Return a polygon near a loop, in u and v, (n, 2)."""
     rows = []
     for trim in loop:
-        at = parameters_of(trim.curve, SAMPLES if trim.curve.degree > 1 else 1)
-        rows.append(trim.curve.value(at if trim.forward else at[::-1])[:-1])
+        places = trim.curve.polyline(SAMPLES)
+        rows.append((places if trim.forward else places[::-1])[:-1])
     return np.concatenate(rows)
 
 

@@ -62,12 +62,14 @@ class LaidFloor:
 
         at = self.chart.flat(points)
         over = np.flatnonzero(shapely.contains_xy(self.region, *at.T))
+        found = np.zeros(len(points), bool)
+        if not len(over):
+            return points, normals, found
         surface = self.floor.surface
         there, up = surface.value(*at[over].T), surface.normals(*at[over].T)
         away = np.linalg.norm(there - points[over], axis=1)
         own = np.abs(away - abs(self.height)) <= SLACK * abs(self.height) + self.floor.deviation
         own &= (up * normals[over]).sum(axis=1) > 0.0
-        found = np.zeros(len(points), bool)
         found[over[own]] = True
         points, normals = points.copy(), normals.copy()
         points[found], normals[found] = there[own], up[own]

@@ -126,7 +126,8 @@ def kept_places(
 ) -> OutlinePlaces:
     """Return places of grounds as a recipe keeps them; see `OutlinePlaces`."""
     found = located(grounds, points)
-    patches = tuple(dict.fromkeys(grounds[k].patch for k in found.grounds.tolist()))
+    fills = {grounds[k].patch: grounds[k].fill for k in found.grounds.tolist()}
+    patches = tuple(fills)
     rows = [
         (patches.index(grounds[g].patch), int(grounds[g].mirrored), piece)
         for g, piece in zip(found.grounds.tolist(), found.pieces.tolist(), strict=True)
@@ -138,6 +139,7 @@ def kept_places(
         found.points,
         np.asarray(corners, np.uint8),
         np.asarray(starts, np.int32),
+        tuple(0 if isinstance(one, PlaneFill) else len(one.patches) for one in fills.values()),
     )
 
 
@@ -162,10 +164,11 @@ def followed_outline(grounds: Sequence[Ground], places: OutlinePlaces) -> Follow
     """Return kept places on the surfaces as they are now; None where all of them are gone."""
     known = {(one.patch, one.mirrored): one for one in grounds}
     points, normals = np.full((len(places.rows), 3), np.nan), np.full((len(places.rows), 3), np.nan)
+    counts = places.pieces or len(places.patches) * (0,)
     lost = tuple(p for p in places.patches if not any(one.patch == p for one in grounds))
     for row in np.unique(places.rows, axis=0).tolist():
         ground = known.get((places.patches[row[0]], bool(row[1])))
-        surface = None if ground is None else _piece(ground.fill, row[2])
+        surface = None if ground is None else _piece(ground.fill, row[2], counts[row[0]])
         if surface is None:
             continue
         chosen = (places.rows == row).all(axis=1)
@@ -181,13 +184,18 @@ def followed_outline(grounds: Sequence[Ground], places: OutlinePlaces) -> Follow
     return FollowedOutline(points, normals, lost)
 
 
-def _piece(fill: Fill, number: int) -> BSplineSurface | None:
-    """Return a piece of a surface; of a plane also those that it has where it is bent."""
+def _piece(fill: Fill, number: int, count: int) -> BSplineSurface | None:
+    """Return a piece of a surface that had so many; of a plane also those that it has where bent.
+
+    None where it has another number of pieces now: a corner that was rounded is a further side.
+    """
     if isinstance(fill, PlaneFill):
         if number == PLANE:
             return fill.plane
         bent = fill.bent
-        return None if bent is None else _piece(bent, number)
+        return None if bent is None else _piece(bent, number, count)
+    if count and len(fill.patches) != count:
+        return None
     return fill.patches[number] if 0 <= number < len(fill.patches) else None
 
 

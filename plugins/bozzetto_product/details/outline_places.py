@@ -61,6 +61,7 @@ MIXED: Final = (
     "Some of these lines are open. Draw closed rounds, or one line from border to border."
 )
 BESIDE: Final = "The outline leaves the surfaces. Draw it where there is a surface under all of it."
+HANGING: Final = "A part of it is beside the surfaces. Make it smaller, or move it."
 SMALL: Final = "This is too small for an outline. Draw a larger round on a surface."
 NO_SURFACE: Final = (
     "There is no surface to draw a detail on. Draw curves first until they enclose an area."
@@ -373,20 +374,33 @@ def laid_flat(
     """
     if not grounds:
         raise UserError(NO_SURFACE)
-    middle, (x, y, normal) = tangent_axes(at, up, grounds)
+    above = np.concatenate(placed_flat(rows, at, up, width, grounds, turn))
+    _, (*_, normal) = tangent_axes(at, up, grounds)
+    scene = _scene_of([ground.fill.mesh for ground in grounds])
+    start = above + 0.5 * width * normal
+    hits = cast_rays(scene, Rays(start, np.broadcast_to(-normal, start.shape)))
+    if not hits.hit.all():
+        raise UserError(HANGING)
+    found = np.asarray(hits.points, float)
+    return np.split(found, np.cumsum([len(row) for row in rows])[:-1].tolist())
+
+
+def placed_flat(
+    rows: Sequence[Array],
+    at: Array,
+    up: Array,
+    width: float,
+    grounds: Sequence[Ground],
+    turn: float = 0.0,
+) -> list[Array]:
+    """Return flat outlines on the tangent plane at a place, (n, 3) mm each; see `laid_flat`."""
+    middle, (x, y, _) = tangent_axes(at, up, grounds)
     x, y = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
     every = np.concatenate(rows)
     low, high = every.min(axis=0), every.max(axis=0)
     scale = width / float(high[0] - low[0])
-    flat = scale * (every - 0.5 * (low + high))
-    points = middle + flat[:, :1] * x + flat[:, 1:] * y
-    scene = _scene_of([ground.fill.mesh for ground in grounds])
-    start = points + 0.5 * width * normal
-    hits = cast_rays(scene, Rays(start, np.broadcast_to(-normal, points.shape)))
-    if not hits.hit.all():
-        raise UserError(BESIDE)
-    found = np.asarray(hits.points, float)
-    return np.split(found, np.cumsum([len(row) for row in rows])[:-1].tolist())
+    flat = [scale * (row - 0.5 * (low + high)) for row in rows]
+    return [middle + row[:, :1] * x + row[:, 1:] * y for row in flat]
 
 
 def tangent_axes(at: Array, up: Array, grounds: Sequence[Ground]) -> tuple[Array, Array]:

@@ -9,16 +9,12 @@ from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array
 from bozzetto.geometry import Brep, Curve, Face, Mesh, ParameterCurve, Trim, shaded_faces
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_product.details.floor import Floor
 
 COARSE: Final = 2e-4
 """Distance of shown triangles from the surface, as share of the size of the whole."""
-
-SAMPLES: Final = 8
-"""Places on each span of a curved edge for its polyline."""
 
 
 @dataclass(frozen=True)
@@ -91,18 +87,6 @@ class Shell:
                     found.setdefault(trim.edge, []).append((number, trim))
         return {edge: tuple(rows) for edge, rows in found.items()}
 
-    @cached_property
-    def _polylines(self) -> dict[int, tuple[Array, Array]]:
-        return {}
-
-    def polyline(self, edge: int) -> tuple[Array, Array]:
-        """Return parameters and places of a polyline near an edge, (n,) and (n, 3)."""
-        if edge not in self._polylines:
-            curve = self.edges[edge]
-            at = parameters_of(curve, SAMPLES if curve.degree > 1 else 1)
-            self._polylines[edge] = at, curve.value(at)
-        return self._polylines[edge]
-
     @property
     def is_closed(self) -> bool:
         """Whether each edge has two sides."""
@@ -142,15 +126,6 @@ def face_meshes(shell: Shell) -> tuple[Mesh, ...]:
 
 EdgePieces = dict[int, tuple[tuple[float, ...], tuple[int, ...]]]
 """Where an edge was cut, and the numbers of its pieces, by the number of the edge."""
-
-
-def parameters_of(curve: Curve | ParameterCurve, count: int) -> Array:
-    """Return parameters at even steps of every span, a number of steps for each."""
-    breaks = np.unique(curve.knots)
-    rows = [
-        low + (high - low) * np.arange(count) / count for low, high in itertools.pairwise(breaks)
-    ]
-    return np.append(np.concatenate(rows), breaks[-1])
 
 
 def split_curve(curve: Curve, at: Sequence[float]) -> list[Curve]:

@@ -139,13 +139,20 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     for name, first in again.items():
         if name in creases:
             creases.setdefault(first, creases[name])
-    splines = without_overlaps(splines, max(ON_CURVE * size, tolerance), size)
-    kept = [pair for pair in zip(names, splines, strict=True) if pair[0] not in again]
+    whole = splines
+    splines = without_overlaps(whole, max(ON_CURVE * size, tolerance), size)
+    kept = [row for row in zip(names, splines, whole, strict=True) if row[0] not in again]
     curves = tuple(
         _creased(Curve(f"n{number}", name, spline=spline), creases.get(name))
-        for number, (name, spline) in enumerate(kept, 1)
+        for number, (name, spline, _) in enumerate(kept, 1)
     )
-    state = joined_state(curves, size, tolerance / FIT)
+    cut = {
+        (curve.id, float(-end))
+        for curve, (_, spline, before) in zip(curves, kept, strict=True)
+        for end in (0, -1)
+        if (spline.control_points[end] != before.control_points[end]).any()
+    }
+    state = joined_state(curves, size, tolerance / FIT, cut)
     state = _with_creased_pieces(state, pieces)
     loops = None if given.get("loops") is None else _loops(given["loops"], rows, again)
     return Network(

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
 import numpy as np
 
+from bozzetto.geometry import Spline
+from bozzetto_product.hand_over.overlaps import TAIL
 from bozzetto_product.hand_over.point_joints import joints_of
 from bozzetto_product.loops.finding import find_loops
 from bozzetto_product.model.curves import Curve
-from bozzetto_product.model.joints import Joint
+from bozzetto_product.model.joints import Joint, Meeting
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.operations.crossings import Crossing
 from bozzetto_product.operations.meetings import (
@@ -48,7 +50,12 @@ MOST_DOUBTFUL: Final = 40
 """Joints that are tried one by one: each costs a search for all loops."""
 
 
-def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> ProductState:
+def joined_state(
+    curves: Sequence[Curve],
+    size: float,
+    exactly: float,
+    cut: Collection[tuple[str, float]] = (),
+) -> ProductState:
     """Return a network of curves, joined where they meet or nearly do.
 
     What has surfaces on both sides already, as the body of a pot and its handle that goes into it,
@@ -63,6 +70,9 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
         Diagonal of the network, mm.
     exactly : float
         The same to a tolerance of one, by which `joints_of` knows what meets, mm.
+    cut : collection of (str, float)
+        Ids of curves that are shorter than in the file, with the share, 0 or 1, of the end: that it
+        meets others there exactly is no sign that it was meant to.
     """
     splines = [curve.spline for curve in curves if curve.spline is not None]
     drawn = ProductState(nodes=tuple(curves))
@@ -72,7 +82,11 @@ def joined_state(curves: Sequence[Curve], size: float, exactly: float) -> Produc
     if every != alone:
         state = _unless_worse(state, settled_state(replace(drawn, joints=every), {}))
     told = exactly < EXACT * size
-    exact = {joint.id for joint in state.joints} if told else set()
+    exact = {
+        joint.id
+        for joint in state.joints
+        if told and sum((meet.curve, meet.at) not in cut for meet in joint.meetings) > 1
+    }
     for width in WIDTHS:
         closed, _ = ends_joined(state, width * size, placed=exact if width > PLACED else ())
         state = _unless_worse(state, closed)
@@ -91,7 +105,8 @@ def _as_one(state: ProductState, reach: float, placed: Collection[str]) -> Produ
 
     Of four curves that a hand drew to one place two pairs may meet beside one another, or a third
     one a little before the end of the others. Where an edge goes from one joint to the other, both
-    are meant, and so they are where ends meet exactly in both; the tail of a curve is no edge.
+    are meant, and so they are where ends meet exactly in both; the tail of a curve, up to a quarter
+    of it, is no edge.
 
     Parameters
     ----------
@@ -118,11 +133,17 @@ def _as_one(state: ProductState, reach: float, placed: Collection[str]) -> Produ
         one, other = (state.joints[number] for number in pair)
         if one.id in placed and other.id in placed:
             continue
-        ends = {meet.curve: is_end(splines, meet) for meet in one.meetings}
-        common = [meet for meet in other.meetings if meet.curve in ends]
-        if all(ends[meet.curve] != is_end(splines, meet) for meet in common):
+        own = {meet.curve: meet for meet in one.meetings}
+        common = [(own[meet.curve], meet) for meet in other.meetings if meet.curve in own]
+        if all(_is_tail(splines, *pair) for pair in common):
             return _as_one(_merged(state, one, other), reach, placed)
     return state
+
+
+def _is_tail(splines: Mapping[str, Spline], one: Meeting, other: Meeting) -> bool:
+    """Whether a curve between two of its meetings is its tail: up to its end, and short."""
+    ends = is_end(splines, one) != is_end(splines, other)
+    return ends and abs(one.at - other.at) <= TAIL
 
 
 def _merged(state: ProductState, one: Joint, other: Joint) -> ProductState:

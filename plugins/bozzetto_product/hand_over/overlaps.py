@@ -131,7 +131,7 @@ def _crossed_at(
 ) -> float | None:
     """Return where on a curve, from a parameter to its end, another one crosses it; None if none.
 
-    The place nearest to the middle of that stretch.
+    The place nearest to the middle of that stretch; one end of it for what passes just beside it.
     """
     stretch = np.linspace(share, one.range[1 if last else 0], LOOKS)
     points = one.value(stretch)
@@ -143,12 +143,16 @@ def _crossed_at(
         ).any():
             continue
         nearest = points[int(np.argmin(other.least_distances(points)))]
-        at, here, beyond, there = met(one, other, nearest)
-        way, across = one.derivative([at])[0], other.derivative([beyond])[0]
+        at, _, beyond, there = met(one, other, nearest)
+        at = min(max(at, stretch.min()), stretch.max())
+        here, way, across = (
+            one.value([at])[0],
+            one.derivative([at])[0],
+            other.derivative([beyond])[0],
+        )
         is_along = abs(way @ across) > ALONG * np.linalg.norm(way) * np.linalg.norm(across)
         if np.linalg.norm(here - there) <= tolerance and not is_along:
-            if stretch.min() < at < stretch.max():
-                found.append(at)
+            found.append(at)
     return min(found, key=lambda at: abs(at - stretch.mean()), default=None)
 
 

@@ -44,6 +44,9 @@ class OutlinePlaces:
         1 where the outline has a corner, else 0.
     starts : (k,) int32
         First place of each outline.
+    pieces : tuple of int
+        Of how many pieces the surface of each patch was, 0 for a plane: of more or fewer, the same
+        number means another piece. Empty where that is not known, in documents of before.
     """
 
     patches: tuple[str, ...]
@@ -52,6 +55,7 @@ class OutlinePlaces:
     points: NDArray[np.float64]
     corners: NDArray[np.uint8]
     starts: NDArray[np.int32]
+    pieces: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rows", frozen(self.rows, np.int32, 3))
@@ -62,6 +66,8 @@ class OutlinePlaces:
         counts = {len(self.rows), len(self.parameters), len(self.points), len(self.corners)}
         if len(counts) != 1:
             raise ValueError("every place needs a row, parameters, a point and whether a corner")
+        if self.pieces and len(self.pieces) != len(self.patches):
+            raise ValueError("each patch needs its number of pieces")
         which = self.rows[:, 0]
         if len(which) and not 0 <= which.min() <= which.max() < len(self.patches):
             raise ValueError("a place names a patch that is not there")

@@ -174,6 +174,7 @@ def _brought(name: str, spline: Spline, goals: Sequence[_Goal], plane: Plane | N
     if not goals:
         return spline
     made = spline
+    ends: dict[float, Array] = {}
     if not spline.closed:
         ends = {meet.at: place for meet, place in goals if meet.at in (0.0, 1.0)}
         first = ends.get(0.0, spline.control_points[0])
@@ -184,15 +185,18 @@ def _brought(name: str, spline: Spline, goals: Sequence[_Goal], plane: Plane | N
             flat[0], flat[-1] = first, last
             made = Spline(made.knots, flat)
     inner = [(meet.at, place) for meet, place in goals if spline.closed or 0.0 < meet.at < 1.0]
-    return passing(made, inner) if inner else made
+    return passing(made, inner, tuple(ends)) if inner else made
 
 
-def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
+def passing(
+    spline: Spline, places: Sequence[tuple[float, Array]], held: Sequence[float] = (0.0, 1.0)
+) -> Spline:
     """Return a curve that passes places, with the least change of its control points.
 
-    The ends of an open curve stay. Places that contradict one another, so that the curve would
-    have to leave them by more than `FARTHEST` times the longest way, are met half-way: what tells
-    them apart is left out.
+    Ends that are not held go along with places close to them: of a short tail one end held and the
+    other moved would be a corner. Places that contradict one another, so that the curve would have
+    to leave them by more than `FARTHEST` times the longest way, are met half-way: what tells them
+    apart is left out.
 
     Parameters
     ----------
@@ -200,6 +204,8 @@ def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
         In space, mm.
     places : sequence of (float, (3,) array)
         Shares of the range, and where the curve is to be there.
+    held : sequence of float
+        Shares, 0 or 1, of the ends of an open curve that stay.
     """
     at = np.array([parameter_at(spline, share) for share, _ in places])
     wanted = np.array([place for _, place in places])
@@ -209,7 +215,7 @@ def passing(spline: Spline, places: Sequence[tuple[float, Array]]) -> Spline:
         return spline
     rows = spline_weights(spline, at)
     if not spline.closed:
-        rows[:, [0, -1]] = 0.0
+        rows[:, [-int(share) for share in held]] = 0.0
     left, values, right = np.linalg.svd(rows, full_matrices=False)
     shares = left.T @ way
     change = np.zeros((rows.shape[1], 3))

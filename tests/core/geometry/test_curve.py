@@ -93,6 +93,18 @@ def test_clamped_and_reversed_curves_are_the_same_places(one):
 
 
 @pytest.mark.parametrize("one", CURVES)
+def test_a_polyline_has_even_steps_on_each_span_and_is_worked_out_once(one):
+    at, places = one.polyline(6)
+    begin, end = one.range
+    breaks = np.unique(np.clip(one.knots, begin, end))
+    np.testing.assert_allclose(one.value(at), places, atol=0.0)
+    assert (at[0], at[-1]) == (begin, end)
+    assert len(at) == (len(breaks) - 1) * (1 if one.degree == 1 else 6) + 1
+    assert np.isin(breaks, at).all()
+    assert one.polyline(6)[1] is places
+
+
+@pytest.mark.parametrize("one", CURVES)
 def test_more_knots_change_no_place(one):
     clamped = one.clamped()
     new = np.sort(np.append(clamped.knots, RNG.uniform(*one.range, 5)))

@@ -54,3 +54,22 @@ def test_wishes_that_agree_are_met(seed, closed):
     made = passing(spline, places)
     for at, place in places:
         assert np.linalg.norm(made.value([parameter_at(made, at)])[0] - place) <= 1e-9 * 100.0
+
+
+@pytest.mark.parametrize("share", [0.004, 0.01, 0.99, 0.996])
+@pytest.mark.parametrize("seed", range(9220, 9225))
+def test_a_short_tail_goes_along_without_a_corner(seed, share):
+    """Held, an end half a millimetre from a place that moves as far would turn the curve by 50°."""
+    random = np.random.default_rng(seed)
+    spline = curve(random, closed=False)
+    at = [parameter_at(spline, share)]
+    before = spline.derivative(at)[0]
+    way = np.cross(before, random.normal(size=3))
+    way *= 0.5 / np.linalg.norm(way)
+    far = 1.0 if share < 0.5 else 0.0
+    made = passing(spline, [(share, spline.value(at)[0] + way)], held=(far,))
+    after = made.derivative(at)[0]
+    cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
+    assert np.degrees(np.arccos(min(1.0, cosine))) < 10.0
+    assert np.linalg.norm(made.value(at)[0] - spline.value(at)[0] - way) < 1e-9
+    np.testing.assert_array_equal(made.control_points[int(-far)], spline.control_points[int(-far)])

@@ -11,7 +11,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke
 from bozzetto.plugin import Context, Drag, Ink, Job, Tap
-from bozzetto.scene import Handle
+from bozzetto.scene import Handle, Label
 from bozzetto.view import Camera
 from bozzetto_product.details.emblem_places import anchored
 from bozzetto_product.hand_over.imported import product_of_network
@@ -149,6 +149,28 @@ def test_letters_that_are_missing_are_told_and_the_rest_is_carved() -> None:
     assert "漢" in one.told
     (none,) = PRODUCT.solve(touched("漢"), Job()).detailed.details
     assert "Type a text" in none.problem
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_text_that_hangs_over_is_seen_where_it_is_and_says_so(mirrored: bool) -> None:
+    """Of a text as wide as the ball is neither carved nor hidden: lines and a label are shown."""
+    state = touched("WWWW")
+    emblem = state.chosen_of(Emblem)
+    assert emblem is not None
+    state = state.with_node(replace(emblem, height=0.6 * RADIUS, mirrored=mirrored))
+    result = PRODUCT.solve(state, Job())
+    told = result.detailed.details
+    assert [one.mirrored for one in told] == [False, True][: 1 + mirrored]
+    for one in told:
+        assert "beside the surfaces" in one.problem
+        points = np.concatenate(one.outlines)
+        np.testing.assert_allclose(points[:, 0], RADIUS, rtol=1e-3)  # the tangent plane
+        assert np.ptp(points[:, 2]) == pytest.approx(0.6 * RADIUS, rel=1e-6)
+        for row in one.outlines:
+            np.testing.assert_array_equal(row[0], row[-1])
+    layer = next(one for one in PRODUCT.scene(state, result).layers if one.name == "outlines")
+    labels = [item.text for item in layer.items if isinstance(item, Label)]
+    assert labels == ["A part of it is beside the surfaces"] * len(told)
 
 
 def test_a_file_lays_a_text() -> None:

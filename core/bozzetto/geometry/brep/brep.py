@@ -15,9 +15,9 @@ from bozzetto.arrays import Array, Index, frozen
 from bozzetto.cached_properties import cached_property
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import curve_derivative, span_parameters
-from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.surface import BSplineSurface
 from bozzetto.geometry.curve import Color, Curve
+from bozzetto.geometry.kept_answers import kept
 from bozzetto.geometry.look import Finish
 
 if TYPE_CHECKING:
@@ -87,6 +87,15 @@ class ParameterCurve:
         return curve_derivative(
             self.degree, self.knots, self.control_points, self.weights, parameters, 0
         )
+
+    def polyline(self, steps: int) -> Array:
+        """Return places of a polyline near the curve, (n, 2); as `Curve.polyline`."""
+
+        def made() -> Array:
+            straight = self.degree == 1
+            return self.value(span_parameters(self.degree, self.knots, 1 if straight else steps))
+
+        return kept(self, ("polyline", steps), made)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -465,9 +474,8 @@ def loop_ring(loop: Loop) -> Array:
     """Return places on a loop, once round, for its sense and its extent, (n, 2)."""
     rows = []
     for trim in loop:
-        curve = trim.curve
-        at = span_parameters(curve.degree, curve.knots, CHECKS if curve.degree > 1 else 1)
-        rows.append(curve.value(at if trim.forward else at[::-1])[:-1])
+        places = trim.curve.polyline(CHECKS)
+        rows.append((places if trim.forward else places[::-1])[:-1])
     return np.concatenate(rows)
 
 

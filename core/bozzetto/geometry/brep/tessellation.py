@@ -16,9 +16,9 @@ import numpy as np
 from bozzetto.arrays import Array, Index, frozen
 from bozzetto.errors import UserError
 from bozzetto.geometry.basis import span_parameters
-from bozzetto.geometry.brep.kept_answers import kept
 from bozzetto.geometry.brep.shared_sides import FaceTriangles, with_single_sides
 from bozzetto.geometry.brep.triangulation import triangulated
+from bozzetto.geometry.kept_answers import kept
 from bozzetto.geometry.mesh import Mesh
 
 if TYPE_CHECKING:
