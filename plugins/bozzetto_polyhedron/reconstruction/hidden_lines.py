@@ -86,6 +86,7 @@ class HiddenLines:
 
     ends: Array
     unexplained: float
+    traits: Array | None = None
 
 
 def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[HiddenLines, ...]:
@@ -153,14 +154,17 @@ def _guessed(
     outline = outline_of(drawing, reach)
     # Much of a prism is a mirror image of something: mirrors are asked where the others end.
     wholes = [
-        *((0, whole) for whole in _extruded(drawing, junctions, reach)),
-        *((0, whole) for whole in _turned(drawing, junctions, reach)),
-        *((1, whole) for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)),
-        *((2, whole) for whole in _mirrored(drawing, junctions, reach)),
+        *((0, 0, whole) for whole in _extruded(drawing, junctions, reach)),
+        *((0, 1, whole) for whole in _turned(drawing, junctions, reach)),
+        *(
+            (1, 2, whole)
+            for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)
+        ),
+        *((2, 3, whole) for whole in _mirrored(drawing, junctions, reach)),
     ]
     found: list[tuple[bool, float, bool, int, int, HiddenLines]] = []
     seen: list[Whole] = []
-    for way, whole in wholes:
+    for way, kind, whole in wholes:
         hidden, unexplained = _compared(drawing, junctions, whole, reach)
         missing = hidden > 0.0
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
@@ -176,12 +180,71 @@ def _guessed(
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
         guess = HiddenLines(places[whole.lines[missing]], unexplained)
         rank = (way == 2, round(unexplained, 3), unsure, way, int(missing.sum()))
+        guess = HiddenLines(
+            guess.ends,
+            unexplained,
+            _traits(drawing, junctions, whole, hidden, unexplained, misfit, kind),
+        )
         found.append((*rank, guess))
     found.sort(key=lambda each: each[:-1])
     others = sum(not each[0] for each in found)
     if others < len(found):
         del found[max(1, most - 1) : others]
     return [each[-1] for each in found[:most]]
+
+
+def _traits(drawing, junctions, whole, hidden, unexplained, misfit, kind):
+    away = np.linalg.norm(whole.points[:, None] - drawing.points, axis=2)
+    new = away.min(1) > SAME
+    lengths = np.linalg.norm(
+        whole.points[whole.lines[:, 0]] - whole.points[whole.lines[:, 1]], axis=1
+    )
+    classes = parallel_classes(drawing)
+    spans = whole.points[whole.lines[:, 1]] - whole.points[whole.lines[:, 0]]
+    unit = spans / np.maximum(np.linalg.norm(spans, axis=1), 1e-9)[:, None]
+    sines = np.abs(
+        unit[:, :1] * classes.directions[:, 1] - unit[:, 1:] * classes.directions[:, 0]
+    ).min(1)
+    missing = hidden > 0.0
+    wholly = hidden == 1.0
+    odd = float((lengths * (sines > 0.1))[missing].sum() / max(lengths[missing].sum(), 1e-9))
+    degrees = np.bincount(whole.lines.ravel(), minlength=len(whole.points))
+    stems = int(junctions.is_stem.sum())
+    met = _compared_stems(drawing, junctions, whole)
+    return np.array(
+        [
+            kind,
+            unexplained,
+            -1.0 if misfit is None else misfit,
+            new.sum(),
+            missing.sum(),
+            wholly.sum(),
+            len(drawing.lines),
+            stems,
+            drawing.noise,
+            odd,
+            (degrees > 3).sum(),
+            len(whole.points),
+            float(lengths[missing].min()),
+            float(hidden @ lengths / lengths.sum()),
+            met,
+        ]
+    )
+
+
+def _compared_stems(drawing, junctions, whole):
+    """Root mean square distance of lines that go behind from the lines of the whole."""
+    stems = np.flatnonzero(junctions.is_stem)
+    if not len(stems):
+        return 0.0
+    starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
+    steps = stops - starts
+    places = drawing.points[stems]
+    at = np.clip(
+        ((places[:, None] - starts) * steps).sum(2) / np.maximum((steps**2).sum(1), 1e-12), 0, 1
+    )
+    away = np.linalg.norm(places[:, None] - starts - at[..., None] * steps, axis=2).min(1)
+    return float(np.sqrt((away**2).mean()))
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:
