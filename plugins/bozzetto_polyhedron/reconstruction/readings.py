@@ -14,9 +14,9 @@ from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
+from bozzetto_polyhedron.reconstruction.hanging_parts import hanging_order
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
 from bozzetto_polyhedron.reconstruction.lone_parallels import without_lone_parallels
-from bozzetto_polyhedron.reconstruction.hanging_parts import hanging_order
 from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached, likeliest
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
