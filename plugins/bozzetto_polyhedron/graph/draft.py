@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Final
 
 from bozzetto_polyhedron.graph.grouping import Members
@@ -30,7 +31,7 @@ CROWDED: Final = 4
 """Lines at a corner from which on it may be a place that lines pass."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Joined:
     """A line and the numbers of the corners at its start and its stop."""
 
@@ -48,7 +49,7 @@ class Joined:
         return self.line.angles[0 if self.start == corner else 1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Change:
     """Lines that go and lines that come instead.
 
@@ -95,8 +96,9 @@ class Draft:
 
     def price(self, change: Change) -> float:
         """Return by how much a change raises the cost; infinite if it is impossible."""
-        if any(each.start == each.stop for each in change.added):
-            return float("inf")
+        for each in change.added:
+            if each.start == each.stop:
+                return inf
         return self._priced(change, self._after(change), {})
 
     def _priced(
@@ -108,9 +110,9 @@ class Draft:
             total += each.line.misfit
         for key in change.removed:
             total -= self.lines[key].line.misfit
-        before = self.costs
+        before, few = self.costs, self.fits.few
         for corner, (sums, degree) in after.items():
-            cost = costs[corner] = corner_cost(sums, degree, self.fits.few)
+            cost = costs[corner] = corner_cost(sums, degree, few)
             total += cost - before.get(corner, 0.0)
             if degree >= CROWDED:
                 passing = self._passing_cost(corner, change)
@@ -204,22 +206,25 @@ class Draft:
     def _after(self, change: Change) -> dict[int, tuple[End, int]]:
         """Return sums and degrees of the corners that a change concerns."""
         after: dict[int, tuple[End, int]] = {}
+        sums, degrees = self.sums, self.degrees
         for key in change.removed:
             each = self.lines[key]
             one, other = each.line.ends
             for corner, (p, q, r, s, t, u, v) in ((each.start, one), (each.stop, other)):
-                (a, b, c, d, e, f, g), degree = after.get(corner) or self._now(corner)
+                (a, b, c, d, e, f, g), degree = after.get(corner) or (
+                    sums[corner],
+                    degrees[corner],
+                )
                 after[corner] = (a - p, b - q, c - r, d - s, e - t, f - u, g - v), degree - 1
         for each in change.added:
             one, other = each.line.ends
             for corner, (p, q, r, s, t, u, v) in ((each.start, one), (each.stop, other)):
-                (a, b, c, d, e, f, g), degree = after.get(corner) or self._now(corner)
+                (a, b, c, d, e, f, g), degree = after.get(corner) or (
+                    sums.get(corner, NOTHING),
+                    degrees.get(corner, 0),
+                )
                 after[corner] = (a + p, b + q, c + r, d + s, e + t, f + u, g + v), degree + 1
         return after
-
-    def _now(self, corner: int) -> tuple[End, int]:
-        """Return the sums over the ends at a corner, and their number."""
-        return self.sums.get(corner, NOTHING), self.degrees.get(corner, 0)
 
     def _more_pairs(self, change: Change) -> int:
         """Return how many more lines share both corners with another one."""
@@ -234,7 +239,10 @@ class Draft:
         for pair, step in counts.items():
             if step:
                 before = len(self.pairs.get(pair, ()))
-                more += max(0, before + step - 1) - max(0, before - 1)
+                if before + step > 1:
+                    more += before + step - 1
+                if before > 1:
+                    more -= before - 1
         return more
 
 

@@ -22,6 +22,7 @@ from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.explained_ink import compared
+from bozzetto_polyhedron.reconstruction.guess_traits import guess_traits
 from bozzetto_polyhedron.reconstruction.hidden_corners import Whole, with_hidden_corners
 from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
@@ -176,7 +177,7 @@ def _guessed(
         guess = HiddenLines(
             places[whole.lines[missing]],
             unexplained,
-            _traits(drawing, junctions, whole, hidden, unexplained, misfit, kind),
+            guess_traits(drawing, junctions, whole, hidden, unexplained, misfit, kind, len(whole.points) > len(body.points)),
         )
         found.append((*rank, guess))
     found.sort(key=lambda each: each[:-1])
@@ -214,60 +215,6 @@ def _wholes(
             elif compared(drawn, ends, whole, reach)[1] <= UNEXPLAINED:
                 for every in completed_parts(whole, parts, reach, UNEXPLAINED):
                     yield kind, whole, every
-
-
-def _traits(drawing, junctions, whole, hidden, unexplained, misfit, kind):
-    away = np.linalg.norm(whole.points[:, None] - drawing.points, axis=2)
-    new = away.min(1) > SAME
-    lengths = np.linalg.norm(
-        whole.points[whole.lines[:, 0]] - whole.points[whole.lines[:, 1]], axis=1
-    )
-    classes = parallel_classes(drawing)
-    spans = whole.points[whole.lines[:, 1]] - whole.points[whole.lines[:, 0]]
-    unit = spans / np.maximum(np.linalg.norm(spans, axis=1), 1e-9)[:, None]
-    sines = np.abs(
-        unit[:, :1] * classes.directions[:, 1] - unit[:, 1:] * classes.directions[:, 0]
-    ).min(1)
-    missing = hidden > 0.0
-    wholly = hidden == 1.0
-    odd = float((lengths * (sines > 0.1))[missing].sum() / max(lengths[missing].sum(), 1e-9))
-    degrees = np.bincount(whole.lines.ravel(), minlength=len(whole.points))
-    stems = int(junctions.is_stem.sum())
-    met = _compared_stems(drawing, junctions, whole)
-    return np.array(
-        [
-            kind,
-            unexplained,
-            -1.0 if misfit is None else misfit,
-            new.sum(),
-            missing.sum(),
-            wholly.sum(),
-            len(drawing.lines),
-            stems,
-            drawing.noise,
-            odd,
-            (degrees > 3).sum(),
-            len(whole.points),
-            float(lengths[missing].min()),
-            float(hidden @ lengths / lengths.sum()),
-            met,
-        ]
-    )
-
-
-def _compared_stems(drawing, junctions, whole):
-    """Root mean square distance of lines that go behind from the lines of the whole."""
-    stems = np.flatnonzero(junctions.is_stem)
-    if not len(stems):
-        return 0.0
-    starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
-    steps = stops - starts
-    places = drawing.points[stems]
-    at = np.clip(
-        ((places[:, None] - starts) * steps).sum(2) / np.maximum((steps**2).sum(1), 1e-12), 0, 1
-    )
-    away = np.linalg.norm(places[:, None] - starts - at[..., None] * steps, axis=2).min(1)
-    return float(np.sqrt((away**2).mean()))
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:
