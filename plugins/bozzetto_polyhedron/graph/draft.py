@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field, replace
-from math import inf
 from typing import Final
 
 from bozzetto_polyhedron.graph.grouping import Members
@@ -31,7 +30,7 @@ CROWDED: Final = 4
 """Lines at a corner from which on it may be a place that lines pass."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Joined:
     """A line and the numbers of the corners at its start and its stop."""
 
@@ -49,7 +48,7 @@ class Joined:
         return self.line.angles[0 if self.start == corner else 1]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Change:
     """Lines that go and lines that come instead.
 
@@ -96,9 +95,8 @@ class Draft:
 
     def price(self, change: Change) -> float:
         """Return by how much a change raises the cost; infinite if it is impossible."""
-        for each in change.added:
-            if each.start == each.stop:
-                return inf
+        if any(each.start == each.stop for each in change.added):
+            return float("inf")
         return self._priced(change, self._after(change), {})
 
     def _priced(
@@ -110,9 +108,9 @@ class Draft:
             total += each.line.misfit
         for key in change.removed:
             total -= self.lines[key].line.misfit
-        before, few = self.costs, self.fits.few
+        before = self.costs
         for corner, (sums, degree) in after.items():
-            cost = costs[corner] = corner_cost(sums, degree, few)
+            cost = costs[corner] = corner_cost(sums, degree, self.fits.few)
             total += cost - before.get(corner, 0.0)
             if degree >= CROWDED:
                 passing = self._passing_cost(corner, change)
@@ -206,25 +204,22 @@ class Draft:
     def _after(self, change: Change) -> dict[int, tuple[End, int]]:
         """Return sums and degrees of the corners that a change concerns."""
         after: dict[int, tuple[End, int]] = {}
-        sums, degrees = self.sums, self.degrees
         for key in change.removed:
             each = self.lines[key]
             one, other = each.line.ends
             for corner, (p, q, r, s, t, u, v) in ((each.start, one), (each.stop, other)):
-                (a, b, c, d, e, f, g), degree = after.get(corner) or (
-                    sums[corner],
-                    degrees[corner],
-                )
+                (a, b, c, d, e, f, g), degree = after.get(corner) or self._now(corner)
                 after[corner] = (a - p, b - q, c - r, d - s, e - t, f - u, g - v), degree - 1
         for each in change.added:
             one, other = each.line.ends
             for corner, (p, q, r, s, t, u, v) in ((each.start, one), (each.stop, other)):
-                (a, b, c, d, e, f, g), degree = after.get(corner) or (
-                    sums.get(corner, NOTHING),
-                    degrees.get(corner, 0),
-                )
+                (a, b, c, d, e, f, g), degree = after.get(corner) or self._now(corner)
                 after[corner] = (a + p, b + q, c + r, d + s, e + t, f + u, g + v), degree + 1
         return after
+
+    def _now(self, corner: int) -> tuple[End, int]:
+        """Return the sums over the ends at a corner, and their number."""
+        return self.sums.get(corner, NOTHING), self.degrees.get(corner, 0)
 
     def _more_pairs(self, change: Change) -> int:
         """Return how many more lines share both corners with another one."""
@@ -239,10 +234,7 @@ class Draft:
         for pair, step in counts.items():
             if step:
                 before = len(self.pairs.get(pair, ()))
-                if before + step > 1:
-                    more += before + step - 1
-                if before > 1:
-                    more -= before - 1
+                more += max(0, before + step - 1) - max(0, before - 1)
         return more
 
 

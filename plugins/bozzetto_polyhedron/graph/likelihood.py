@@ -69,8 +69,6 @@ BESIDE: Final = 5.0
 WORST: Final = 18.0
 """Cost of a segment end across its line, at most."""
 
-LOG_TURN: Final = log(2 * pi)
-
 End = tuple[float, float, float, float, float, float, float]
 """What an end tells of its corner: information matrix (xx, xy, yy), its product with the place of
 the end (x, y), the quadratic form there, and the logarithm of the normaliser."""
@@ -290,14 +288,10 @@ def corner_cost(sums: End, degree: int, fewer: tuple[float, float, float] = FEW_
     if degree <= 0:
         return 0.0
     xx, xy, yy, bx, by, form, normalizer = sums
-    determinant = xx * yy - xy * xy
-    if determinant < 1e-12:
-        determinant = 1e-12
+    determinant = max(xx * yy - xy * xy, 1e-12)
     strain = form - (yy * bx * bx - 2 * xy * bx * by + xx * by * by) / determinant
     few = fewer[degree] if degree < 3 else MANY_LINES * (degree - 3)
-    if strain < 0.0:
-        strain = 0.0
-    return 0.5 * strain + normalizer - LOG_TURN + 0.5 * log(determinant) + few
+    return 0.5 * max(strain, 0.0) + normalizer - log(2 * pi) + 0.5 * log(determinant) + few
 
 
 def strain_of(sums: End) -> float:

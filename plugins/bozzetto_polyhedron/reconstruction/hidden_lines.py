@@ -10,7 +10,7 @@ parallel view as they do in space; drawings in perspective are made parallel fir
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -22,10 +22,9 @@ from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.explained_ink import compared
-from bozzetto_polyhedron.reconstruction.guess_traits import guess_traits
+from bozzetto_polyhedron.reconstruction.guess_certainty import certainty_of_guess, guess_traits
 from bozzetto_polyhedron.reconstruction.hidden_corners import Whole, with_hidden_corners
 from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
-from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
 from bozzetto_polyhedron.reconstruction.visible_halves import mirrored_wholes, turned_wholes
@@ -50,6 +49,12 @@ OTHERWISE: Final = 0.1
 
 MOST_OTHERWISE: Final = 0.15
 """Share of all lines that a guess shows otherwise at most: where the hand trembles, short ones."""
+
+WAYS: Final = (0, 0, 1, 2)
+"""Order of guesses that explain as much: prisms, images by a half turn, hidden corners, mirrors."""
+
+MIRRORED: Final = 3
+"""Number of the last one."""
 
 FEWEST: Final = 3
 """Corners of the least ring."""
@@ -80,11 +85,18 @@ class HiddenLines:
         Lines to draw lightly, canvas pixels.
     unexplained : float
         Share of what was drawn that is no part of the guessed solid.
+    traits : (len(TRAITS),) float64
+        What tells how likely it is; see `guess_certainty`.
     """
 
     ends: Array
     unexplained: float
-    traits: Array | None = None
+    traits: Array
+
+    @property
+    def certainty(self) -> float:
+        """Probability that the lines are those that were meant."""
+        return certainty_of_guess(self.traits)
 
 
 def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[HiddenLines, ...]:
@@ -120,7 +132,9 @@ def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[Hidde
     plain = ParallelView(
         drawing, drawing.points, np.zeros(2), 0.0, np.zeros(len(drawing.points)), certain=False
     )
-    return tuple(_different(found + _guessed(plain, junctions, faces, most), drawing)[:most])
+    kept = _different(found + _guessed(plain, junctions, faces, most), drawing)[:most]
+    among_others = float(len(kept) > 1)
+    return tuple(replace(each, traits=np.append(each.traits, among_others)) for each in kept)
 
 
 def _faces_of(drawing: Drawing, junctions: Junctions) -> list[Ring]:
@@ -172,13 +186,10 @@ def _guessed(
         unsure = misfit is None or misfit > OTHERWISE
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
-        way = (0, 0, 1, 2)[kind]
-        rank = (way == 2, round(unexplained, 3), unsure, way, int(missing.sum()))
-        guess = HiddenLines(
-            places[whole.lines[missing]],
-            unexplained,
-            guess_traits(drawing, junctions, whole, hidden, unexplained, misfit, kind, len(whole.points) > len(body.points)),
-        )
+        way = WAYS[kind]
+        rank = (kind == MIRRORED, round(unexplained, 3), unsure, way, int(missing.sum()))
+        traits = guess_traits(drawing, whole, hidden, unexplained, misfit)
+        guess = HiddenLines(places[whole.lines[missing]], unexplained, traits)
         found.append((*rank, guess))
     found.sort(key=lambda each: each[:-1])
     others = sum(not each[0] for each in found)
