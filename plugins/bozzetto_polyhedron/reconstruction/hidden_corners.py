@@ -194,7 +194,8 @@ class _Search:
         if not state.lacks:
             if left == 0:
                 whole = self._whole(state)
-                if embedded_faces(neighbors_of(whole.lines)) is not None:
+                neighbors = neighbors_of(whole.lines)
+                if len(components(neighbors)) > 1 or embedded_faces(neighbors) is not None:
                     yield whole
             return
         for after in self._continued(state, left):

@@ -53,8 +53,8 @@ MOST_OTHERWISE: Final = 0.15
 WAYS: Final = (0, 0, 1, 2)
 """Order of guesses that explain as much: prisms, images by a half turn, hidden corners, mirrors."""
 
-MIRRORED: Final = 3
-"""Number of the last one."""
+HIDDEN_CORNERS, MIRRORED = 2, 3
+"""Numbers of two of these kinds."""
 
 FEWEST: Final = 3
 """Corners of the least ring."""
@@ -211,12 +211,11 @@ def _wholes(
     """
     parts = parts_of(drawing, junctions, reach / 2.0)
     drawn, ends = parts[0].drawing, parts[0].junctions
-    if len(parts) > 1:
-        faces = [(ring,) for ring in _faces_of(drawn, ends)]
+    own = [(ring,) for ring in _faces_of(drawn, ends)] if len(parts) > 1 else faces
     ways = (
         extruded(drawn, ends, reach),
         turned_wholes(drawn, ends, reach),
-        with_hidden_corners(drawn, ends, faces, outline, reach),
+        with_hidden_corners(drawn, ends, own, outline, reach),
         mirrored_wholes(drawn, ends, reach),
     )
     for kind, wholes in enumerate(ways):
@@ -226,6 +225,9 @@ def _wholes(
             elif compared(drawn, ends, whole, reach)[1] <= UNEXPLAINED:
                 for every in completed_parts(whole, parts, reach, UNEXPLAINED):
                     yield kind, whole, every
+    if len(parts) > 1:
+        for whole in with_hidden_corners(drawing, junctions, faces, outline, reach):
+            yield HIDDEN_CORNERS, whole, whole
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:

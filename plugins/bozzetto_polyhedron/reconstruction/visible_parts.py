@@ -88,7 +88,7 @@ def parts_of(drawing: Drawing, junctions: Junctions, reach: float) -> list[Visib
 def completed_parts(
     whole: Whole, parts: Sequence[VisiblePart], reach: float, most_unexplained: float
 ) -> Iterator[Whole]:
-    """Yield a whole body with all other parts completed in it.
+    """Yield a whole body with all other parts completed in it, by the fewest corners first.
 
     Parameters
     ----------
@@ -101,14 +101,14 @@ def completed_parts(
     most_unexplained : float
         Share of its ink that a completed part may leave unexplained.
     """
-    ways = [
-        [
+    ways = []
+    for number, part in enumerate(parts[1:], 1):
+        fit = [
             each
             for each in _ways(whole, parts, number, reach)
             if compared(part.drawing, part.junctions, each, reach)[1] <= most_unexplained
-        ][:MOST_WAYS]
-        for number, part in enumerate(parts[1:], 1)
-    ]
+        ]
+        ways.append(sorted(fit, key=lambda each: len(each.points))[:MOST_WAYS])
     if all(ways):
         for chosen in islice(product(*ways), MOST_TOGETHER):
             yield _together((whole, *chosen))
