@@ -154,9 +154,9 @@ def _steps_through(whole: Whole, parts: Sequence[VisiblePart], number: int, rim:
     on_rim = np.isin(part.drawing.lines, rim)
     sides = (stems & on_rim[:, ::-1]).any(axis=1)
     if not sides.any():
-        return spans
+        return np.asarray(spans)
     sines = _sines(spans, part.drawing.spans[sides]).min(axis=1)
-    return spans[sines < np.sin(ALONG)]
+    return np.asarray(spans[sines < np.sin(ALONG)])
 
 
 def _sines(ones: Array, others: Array) -> Array:
