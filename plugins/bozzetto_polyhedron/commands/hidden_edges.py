@@ -12,7 +12,7 @@ from bozzetto.ink import Strokes
 from bozzetto.plugin import Context
 from bozzetto_polyhedron.commands.answers import chosen_body
 from bozzetto_polyhedron.graph.line_graph import FindingKind, LineGraph
-from bozzetto_polyhedron.model.state import Body, PolyhedronState
+from bozzetto_polyhedron.model.state import PolyhedronState
 from bozzetto_polyhedron.reconstruction.hidden_lines import hidden_lines
 from bozzetto_polyhedron.solve.completion import light_strokes
 from bozzetto_polyhedron.solve.pipeline import graph_of_visible_ink, never
@@ -64,7 +64,7 @@ def draw_hidden_edges(state: PolyhedronState, context: Context) -> PolyhedronSta
         If nothing can be guessed.
     """
     body = chosen_body(state)
-    drawn = without_guessed(body)
+    drawn = body.drawn
     if not drawn:
         raise UserError(_TOO_FEW)
     graph = graph_of_visible_ink(drawn, body.evidence, never)
@@ -80,6 +80,7 @@ def draw_hidden_edges(state: PolyhedronState, context: Context) -> PolyhedronSta
             strokes=Strokes([*drawn, *guessed]),
             guessed=Strokes(guessed),
             guess=number,
+            guess_certainty=guesses[number].certainty,
             choice=None,
             answer=1,
         )
@@ -98,19 +99,3 @@ def _why_none(graph: LineGraph) -> str:
         if what in found:
             return sentence
     return _NOTHING_FITS
-
-
-def without_guessed(body: Body) -> Strokes:
-    """Return the strokes of a body without guessed ones, if these are still the last as they were.
-
-    Where a person erased some of them or drew on, they are what that person means, and stay.
-    """
-    count = len(body.guessed)
-    last = tuple(body.strokes)[len(body.strokes) - count :] if count else ()
-    alike = [
-        np.array_equal(one.points, other.points)
-        for one, other in zip(last, body.guessed, strict=False)
-    ]
-    if count and len(alike) == count and all(alike):
-        return Strokes(tuple(body.strokes)[:-count])
-    return body.strokes

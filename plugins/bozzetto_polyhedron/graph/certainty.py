@@ -47,8 +47,8 @@ def line_traits(graph: LineGraph, draft: Draft, cost: float, size: float) -> Arr
         (
             float(np.arcsinh(min(cost, 1e6) / COST)),
             float(sum(degree >= CROWDED for degree in draft.degrees.values())),
-            float(np.log(_closest(_of_corners(places)) / noise)),
-            float(np.log(_closest(_of_lines(places, graph.lines)) / noise)),
+            float(np.log(closest_corners(places) / noise)),
+            float(np.log(closest_to_lines(places, graph.lines) / noise)),
             float(np.log(max(1, len(graph.lines)))),
             noise,
             float(np.log(max(float(strains.max()), 1e-3) / max(float(strains.mean()), 1e-3))),
@@ -70,18 +70,18 @@ def _closest(away: Array) -> float:
     return max(1e-6, float(away.min(initial=FARTHEST)))
 
 
-def _of_corners(places: Array) -> Array:
-    """Return the distances of each corner from all others, (n, n)."""
+def closest_corners(places: Array) -> float:
+    """Return the least distance of two corners, (n, 2), at most `FARTHEST`."""
     away = np.linalg.norm(places[:, None] - places, axis=2)
     np.fill_diagonal(away, FARTHEST)
-    return np.asarray(away)
+    return _closest(np.asarray(away))
 
 
-def _of_lines(places: Array, lines: Index) -> Array:
-    """Return the distances of corners from the lines that do not end there, (n, m)."""
+def closest_to_lines(places: Array, lines: Index) -> float:
+    """Return the least distance of a corner from a line that does not end there."""
     start, span = places[lines[:, 0]], places[lines[:, 1]] - places[lines[:, 0]]
     square = np.maximum((span**2).sum(1), 1e-12)
     share = np.clip(((places[:, None] - start) * span).sum(2) / square, 0.0, 1.0)
     away = np.linalg.norm(places[:, None] - start - share[..., None] * span, axis=2)
     own: Flags = (np.arange(len(places))[:, None, None] == lines).any(2)
-    return np.where(own, FARTHEST, away)
+    return _closest(np.where(own, FARTHEST, away))

@@ -160,6 +160,8 @@ class Body(Part):
         Hidden edges that were guessed, as they were put behind the strokes drawn.
     guess : int
         Which guess they are, counted from 0.
+    guess_certainty : float
+        How likely they are what was meant.
     """
 
     strokes: Strokes = Strokes()
@@ -168,6 +170,7 @@ class Body(Part):
     anchors: tuple[Anchor, ...] = ()
     guessed: Strokes = Strokes()
     guess: int = 0
+    guess_certainty: float = 1.0
     answer: Annotated[
         int,
         Parameter(
@@ -229,6 +232,22 @@ class Body(Part):
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this solid.")] = None
 
     @property
+    def drawn(self) -> Strokes:
+        """The strokes without guessed ones, if these are still the last ones as they were.
+
+        Where a person erased some of them or drew on, they are what that person means, and stay.
+        """
+        count = len(self.guessed)
+        last = tuple(self.strokes)[len(self.strokes) - count :] if count else ()
+        alike = [
+            np.array_equal(one.points, other.points)
+            for one, other in zip(last, self.guessed, strict=False)
+        ]
+        if count and len(alike) == count and all(alike):
+            return Strokes(tuple(self.strokes)[:-count])
+        return self.strokes
+
+    @property
     def evidence(self) -> Literal["clear", "all", "none"]:
         """How much evidence reading something as round needs; bars are never round."""
         return "none" if self.moves == "flat" else self.rounds
@@ -241,6 +260,8 @@ class Body(Part):
         for stroke in self.strokes:
             require_near(stroke.points, "Ink")
         require_near((*self.placement.offset, self.placement.scale), "A body")
+        if not 0.0 <= self.guess_certainty <= 1.0:
+            raise ValueError("a certainty is a share of 1")
 
 
 @dataclass(frozen=True)

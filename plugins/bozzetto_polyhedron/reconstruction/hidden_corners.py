@@ -17,7 +17,12 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array, Index
-from bozzetto_polyhedron.graph.planar_embedding import Ring, components, neighbors_of
+from bozzetto_polyhedron.graph.planar_embedding import (
+    Ring,
+    components,
+    embedded_faces,
+    neighbors_of,
+)
 from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.outline import Outline
@@ -188,7 +193,10 @@ class _Search:
             return
         if not state.lacks:
             if left == 0:
-                yield self._whole(state)
+                whole = self._whole(state)
+                neighbors = neighbors_of(whole.lines)
+                if len(components(neighbors)) > 1 or embedded_faces(neighbors) is not None:
+                    yield whole
             return
         for after in self._continued(state, left):
             yield from self.completions(after, left - len(after.corners) + len(state.corners))

@@ -9,24 +9,27 @@ parallel view as they do in space; drawings in perspective are made parallel fir
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Flags, Index
+from bozzetto.arrays import Array, Index
 from bozzetto.view import Camera
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.planar_embedding import Ring
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
+from bozzetto_polyhedron.reconstruction.explained_ink import compared
+from bozzetto_polyhedron.reconstruction.guess_certainty import certainty_of_guess, guess_traits
 from bozzetto_polyhedron.reconstruction.hidden_corners import Whole, with_hidden_corners
-from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
 from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
-from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
+from bozzetto_polyhedron.reconstruction.visible_halves import mirrored_wholes, turned_wholes
+from bozzetto_polyhedron.reconstruction.visible_parts import completed_parts, parts_of
+from bozzetto_polyhedron.reconstruction.visible_prisms import extruded
 from bozzetto_polyhedron.reconstruction.visible_regions import (
     Junctions,
     holes_in,
@@ -47,11 +50,11 @@ OTHERWISE: Final = 0.1
 MOST_OTHERWISE: Final = 0.15
 """Share of all lines that a guess shows otherwise at most: where the hand trembles, short ones."""
 
-LEAST_SHARE: Final = 0.05
-"""Share of the way to a vanishing point below which sides are parallel."""
+WAYS: Final = (0, 0, 1, 2)
+"""Order of guesses that explain as much: prisms, images by a half turn, hidden corners, mirrors."""
 
-LEAST_HIDDEN: Final = 0.01
-"""Share of a line that is hidden at least where it goes behind others."""
+HIDDEN_CORNERS, MIRRORED = 2, 3
+"""Numbers of two of these kinds."""
 
 FEWEST: Final = 3
 """Corners of the least ring."""
@@ -82,10 +85,18 @@ class HiddenLines:
         Lines to draw lightly, canvas pixels.
     unexplained : float
         Share of what was drawn that is no part of the guessed solid.
+    traits : (len(TRAITS),) float64
+        What tells how likely it is; see `guess_certainty`.
     """
 
     ends: Array
     unexplained: float
+    traits: Array
+
+    @property
+    def certainty(self) -> float:
+        """Probability that the lines are those that were meant."""
+        return certainty_of_guess(self.traits)
 
 
 def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[HiddenLines, ...]:
@@ -115,17 +126,24 @@ def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[Hidde
         return ()
     drawing = with_passing_lines(drawing)
     junctions = junctions_of(drawing, (NEAR + 3.0 * drawing.noise) / 2.0)
-    faces = [
-        (ring, *holes_in(drawing, junctions, ring))
-        for ring in regions_of(drawing, junctions)
-        if len(ring) > FEWEST and not junctions.is_stem[list(ring)].any()
-    ]
+    faces = [(ring, *holes_in(drawing, junctions, ring)) for ring in _faces_of(drawing, junctions)]
     view = parallel_view(drawing, camera, faces)
     found = _guessed(view, junctions, faces, most) if view.perspective > 0.0 else []
     plain = ParallelView(
         drawing, drawing.points, np.zeros(2), 0.0, np.zeros(len(drawing.points)), certain=False
     )
-    return tuple(_different(found + _guessed(plain, junctions, faces, most), drawing)[:most])
+    kept = _different(found + _guessed(plain, junctions, faces, most), drawing)[:most]
+    among_others = float(len(kept) > 1)
+    return tuple(replace(each, traits=np.append(each.traits, among_others)) for each in kept)
+
+
+def _faces_of(drawing: Drawing, junctions: Junctions) -> list[Ring]:
+    """Return rings around faces that are wholly visible, of which planarity tells something."""
+    return [
+        ring
+        for ring in regions_of(drawing, junctions)
+        if len(ring) > FEWEST and not junctions.is_stem[list(ring)].any()
+    ]
 
 
 def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLines]:
@@ -151,37 +169,65 @@ def _guessed(
     drawing = view.drawing
     reach = NEAR + 3.0 * drawing.noise
     outline = outline_of(drawing, reach)
-    # Much of a prism is a mirror image of something: mirrors are asked where the others end.
-    wholes = [
-        *((0, whole) for whole in _extruded(drawing, junctions, reach)),
-        *((0, whole) for whole in _turned(drawing, junctions, reach)),
-        *((1, whole) for whole in with_hidden_corners(drawing, junctions, faces, outline, reach)),
-        *((2, whole) for whole in _mirrored(drawing, junctions, reach)),
-    ]
     found: list[tuple[bool, float, bool, int, int, HiddenLines]] = []
     seen: list[Whole] = []
-    for way, whole in wholes:
-        hidden, unexplained = _compared(drawing, junctions, whole, reach)
+    for kind, body, whole in _wholes(drawing, junctions, faces, outline, reach):
+        hidden, unexplained = compared(drawing, junctions, whole, reach)
         missing = hidden > 0.0
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
             continue
         if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
         seen.append(whole)
-        misfit = seen_otherwise(drawing, whole.points, whole.lines, hidden)
+        count = len(body.lines)
+        misfit = seen_otherwise(drawing, body.points, body.lines, hidden[:count])
         if misfit is not None and misfit > MOST_OTHERWISE:
             continue
         unsure = misfit is None or misfit > OTHERWISE
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
-        guess = HiddenLines(places[whole.lines[missing]], unexplained)
-        rank = (way == 2, round(unexplained, 3), unsure, way, int(missing.sum()))
+        way = WAYS[kind]
+        rank = (kind == MIRRORED, round(unexplained, 3), unsure, way, int(missing.sum()))
+        traits = guess_traits(drawing, whole, hidden, unexplained, misfit)
+        guess = HiddenLines(places[whole.lines[missing]], unexplained, traits)
         found.append((*rank, guess))
     found.sort(key=lambda each: each[:-1])
     others = sum(not each[0] for each in found)
     if others < len(found):
         del found[max(1, most - 1) : others]
     return [each[-1] for each in found[:most]]
+
+
+def _wholes(
+    drawing: Drawing,
+    junctions: Junctions,
+    faces: Sequence[Rings],
+    outline: Outline,
+    reach: float,
+) -> Iterator[tuple[int, Whole, Whole]]:
+    """Yield the kind of a guess, its body, and the body with all other parts.
+
+    Much of a prism is a mirror image of something: mirrors are asked where the others end.
+    """
+    parts = parts_of(drawing, junctions, reach / 2.0)
+    drawn, ends = parts[0].drawing, parts[0].junctions
+    own = [(ring,) for ring in _faces_of(drawn, ends)] if len(parts) > 1 else faces
+    ways = (
+        extruded(drawn, ends, reach),
+        turned_wholes(drawn, ends, reach),
+        with_hidden_corners(drawn, ends, own, outline, reach),
+        mirrored_wholes(drawn, ends, reach),
+    )
+    for kind, wholes in enumerate(ways):
+        for whole in wholes:
+            if len(parts) == 1:
+                yield kind, whole, whole
+            elif compared(drawn, ends, whole, reach)[1] <= UNEXPLAINED:
+                for every in completed_parts(whole, parts, reach, UNEXPLAINED):
+                    yield kind, whole, every
+    if len(parts) > 1:
+        for whole in with_hidden_corners(drawing, junctions, faces, outline, reach):
+            yield HIDDEN_CORNERS, whole, whole
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:
@@ -239,215 +285,6 @@ def _classes_of(spans: Array) -> Index:
         if labels[number] < 0:
             labels[(labels < 0) & (off < ALONG)] = labels.max(initial=-1) + 1
     return labels
-
-
-def _extruded(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
-    """Return prisms over every visible ring, along every direction of lines that leave it."""
-    labels = parallel_classes(drawing).labels
-    everything = np.arange(len(labels))
-    found = []
-    for ring in regions_of(drawing, junctions):
-        if len(ring) < FEWEST:
-            continue
-        shrunk = _shrunk(drawing, ring, *_steps(drawing, junctions, ring, everything), reach)
-        found += [_prism(drawing, ring, far, reach) for far in shrunk]
-        for name in np.unique(labels).tolist():
-            _, steps = _steps(drawing, junctions, ring, np.flatnonzero(labels == name))
-            for step in _distinct(steps, reach):
-                found.append(_prism(drawing, ring, drawing.points[list(ring)] + step, reach))
-                holes = holes_in(drawing, junctions, ring)
-                if holes:
-                    found.append(_with_holes(drawing, found[-1], holes, step, reach))
-    return found
-
-
-def _with_holes(
-    drawing: Drawing, whole: Whole, holes: Sequence[Ring], step: Array, reach: float
-) -> Whole:
-    """Return a prism with holes that go through it as far as its sides."""
-    points, lines = [whole.points], [whole.lines]
-    for ring in holes:
-        hole = _prism(drawing, ring, drawing.points[list(ring)] + step, reach)
-        lines.append(hole.lines + sum(len(each) for each in points))
-        points.append(hole.points)
-    return Whole(np.concatenate(points), np.concatenate(lines))
-
-
-def _steps(
-    drawing: Drawing, junctions: Junctions, ring: Sequence[int], sides: Index
-) -> tuple[Array, Array]:
-    """Return where sides leave a ring, and the ways to corners of their own, both (k, 2)."""
-    inside = set(ring)
-    nears, made = [], []
-    for first, second in drawing.lines[sides].tolist():
-        if (first in inside) == (second in inside):
-            continue
-        near, far = (first, second) if first in inside else (second, first)
-        if not junctions.is_stem[far]:
-            nears.append(drawing.points[near])
-            made.append(drawing.points[far] - drawing.points[near])
-    return np.array(nears).reshape(-1, 2), np.array(made).reshape(-1, 2)
-
-
-def _shrunk(
-    drawing: Drawing, ring: Sequence[int], nears: Array, steps: Array, reach: float
-) -> list[Array]:
-    """Return the far end of a prism in perspective: the ring drawn towards a vanishing point.
-
-    Two sides or more tell the point and the share of the way, way = share (point - near).
-    """
-    if len(nears) < 2:
-        return []
-    middle = nears - nears.mean(0)
-    square = float((middle**2).sum())
-    if square < reach**2:
-        return []
-    share = -float((middle * steps).sum()) / square
-    ways = steps.mean(0) - share * (drawing.points[list(ring)] - nears.mean(0))
-    misfit = steps - steps.mean(0) + share * middle
-    if not LEAST_SHARE < abs(share) < 1.0 or np.linalg.norm(misfit, axis=1).max() > reach:
-        return []
-    return [drawing.points[list(ring)] + ways]
-
-
-def _distinct(steps: Array, reach: float) -> list[Array]:
-    """Return the mean of all ways, and each one that is far from it."""
-    if not len(steps):
-        return []
-    mean = np.median(steps, axis=0)
-    far = steps[np.linalg.norm(steps - mean, axis=1) > reach]
-    return [mean, *far]
-
-
-def _prism(drawing: Drawing, ring: Sequence[int], far: Array, reach: float) -> Whole:
-    """Return the prism between a ring and its far end, (n, 2)."""
-    count = len(ring)
-    near = drawing.points[list(ring)]
-    points = np.concatenate((near, _snapped(far, drawing.points, reach)))
-    here = np.arange(count)
-    following = np.roll(here, -1)
-    lines = np.concatenate(
-        (
-            np.column_stack((here, following)),
-            np.column_stack((here, following)) + count,
-            np.column_stack((here, here + count)),
-        )
-    )
-    return Whole(points, lines)
-
-
-def _turned(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
-    """Return what was drawn with its image by a half turn, about middles of pairs of corners."""
-    points, lines, _ = _without_stems(drawing, junctions)
-    first, second = np.triu_indices(len(points), 1)
-    middles = (points[first] + points[second]) / 2.0
-    turned = (
-        _with_images(points, lines, 2.0 * middle - points, reach)
-        for middle in middles[_most_common(middles, reach)]
-    )
-    return [whole for whole in turned if whole is not None]
-
-
-def _mirrored(drawing: Drawing, junctions: Junctions, reach: float) -> list[Whole]:
-    """Return what was drawn with its mirror image, across the lines of each class."""
-    points, lines, kept = _without_stems(drawing, junctions)
-    labels = parallel_classes(drawing).labels[kept]
-    mirrored = (
-        _with_images(points, lines, images, reach, across=True)
-        for images in mirror_images(points, lines, labels, reach)
-    )
-    return [whole for whole in mirrored if whole is not None]
-
-
-def _without_stems(drawing: Drawing, junctions: Junctions) -> tuple[Array, Index, Flags]:
-    """Return corners and lines between them without those that go behind, and which lines stay."""
-    kept = np.asarray(~junctions.is_stem[drawing.lines].any(1))
-    corners, numbers = np.unique(drawing.lines[kept], return_inverse=True)
-    return drawing.points[corners], numbers.reshape(-1, 2).astype(np.intp), kept
-
-
-def _with_images(
-    points: Array, lines: Index, images: Array, reach: float, *, across: bool = False
-) -> Whole | None:
-    """Return corners and lines with their images; None where a corner has too few lines.
-
-    Lines `across` join corners to their images where both have one line too few.
-    """
-    if not len(points):
-        return None
-    away = np.linalg.norm(images[:, None] - points, axis=2)
-    nearest = away.argmin(1)
-    own = away[np.arange(len(points)), nearest] < reach
-    fresh = np.cumsum(~own) - 1 + len(points)
-    numbers = np.where(own, nearest, fresh)
-    pairs = np.sort(np.concatenate((lines, numbers[lines])), axis=1)
-    pairs = np.unique(pairs, axis=0)
-    corners = np.concatenate((points, images[~own]))
-    degrees = np.bincount(pairs.ravel(), minlength=len(corners))
-    if across:
-        joins = np.sort(np.column_stack((np.arange(len(points)), numbers)), axis=1)
-        joins = joins[(joins[:, 0] != joins[:, 1]) & (degrees[joins] == 2).all(axis=1)]
-        pairs = np.unique(np.concatenate((pairs, joins)), axis=0)
-        degrees = np.bincount(pairs.ravel(), minlength=len(corners))
-    return Whole(corners, pairs) if (degrees >= 3).all() else None
-
-
-def _most_common(places: Array, reach: float, most: int = 6) -> Index:
-    """Return places with the most others close by, each far from those before."""
-    close = np.linalg.norm(places[:, None] - places, axis=2) < reach
-    order = np.argsort(-close.sum(1), kind="stable")
-    taken: list[int] = []
-    for number in order.tolist():
-        if not any(close[number, other] for other in taken):
-            taken.append(number)
-        if len(taken) == most:
-            break
-    return np.array(taken, np.intp)
-
-
-def _snapped(guessed: Array, drawn: Array, reach: float) -> Array:
-    """Put guessed corners on drawn ones that are close."""
-    away = np.linalg.norm(guessed[:, None] - drawn, axis=2)
-    nearest = away.argmin(1)
-    close = away[np.arange(len(guessed)), nearest] < reach
-    return np.where(close[:, None], drawn[nearest], guessed)
-
-
-def _compared(
-    drawing: Drawing, junctions: Junctions, whole: Whole, reach: float
-) -> tuple[Array, float]:
-    """Return the share of each line of a whole that was not drawn, (k,), and of ink beside it.
-
-    A line that was drawn from end to end has the share 0 however it was drawn, and others more.
-    """
-    starts, stops = whole.points[whole.lines[:, 0]], whole.points[whole.lines[:, 1]]
-    ends = drawing.points[drawing.lines]
-    stems = junctions.is_stem[drawing.lines]
-    first = _at_ends(ends[:, 0], stems[:, 0], starts, stops, reach)
-    second = _at_ends(ends[:, 1], stems[:, 1], starts, stops, reach)
-    fit: Flags = first & second
-    long = np.linalg.norm(stops - starts, axis=1) > reach
-    explained = (fit & long).any(1)
-    lengths = drawing.lengths
-    whole_lines = ~(stems[:, 0] | stems[:, 1])
-    complete = fit & whole_lines[:, None]
-    drawn = ((fit & long) * lengths[:, None]).sum(0) / np.maximum(
-        np.linalg.norm(stops - starts, axis=1), 1e-12
-    )
-    hidden = np.where(long & ~complete.any(0), np.clip(1.0 - drawn, LEAST_HIDDEN, 1.0), 0.0)
-    return hidden, float(lengths[~explained].sum() / max(lengths.sum(), 1e-12))
-
-
-def _at_ends(places: Array, loose: Flags, starts: Array, stops: Array, reach: float) -> Flags:
-    """Whether places (m, 2) are at an end of stretches (k, 2), or on them where loose, (m, k)."""
-    to_start = np.linalg.norm(places[:, None] - starts, axis=2)
-    to_stop = np.linalg.norm(places[:, None] - stops, axis=2)
-    steps = stops - starts
-    square = np.maximum((steps**2).sum(1), 1e-12)
-    at = np.clip(((places[:, None] - starts) * steps).sum(2) / square, 0.0, 1.0)
-    away = np.linalg.norm(places[:, None] - starts - at[..., None] * steps, axis=2)
-    made: Flags = (np.minimum(to_start, to_stop) < reach) | (loose[:, None] & (away < reach))
-    return made
 
 
 def _is_known(whole: Whole, seen: Sequence[Whole], reach: float) -> bool:

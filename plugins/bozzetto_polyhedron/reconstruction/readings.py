@@ -14,14 +14,10 @@ from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
 from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.flaps import OpenBox, open_box
+from bozzetto_polyhedron.reconstruction.hanging_parts import hanging_order
 from bozzetto_polyhedron.reconstruction.lifting import Lifting, liftings
 from bozzetto_polyhedron.reconstruction.lone_parallels import without_lone_parallels
-from bozzetto_polyhedron.reconstruction.loose_loops import (
-    Attached,
-    attached,
-    hanging_order,
-    likeliest,
-)
+from bozzetto_polyhedron.reconstruction.loose_loops import Attached, attached, likeliest
 from bozzetto_polyhedron.reconstruction.metric_upgrade import metric_maps, squared
 from bozzetto_polyhedron.reconstruction.orientation import open_lines
 from bozzetto_polyhedron.reconstruction.parallel_classes import (
@@ -279,7 +275,7 @@ def _of_body(
     """
     if not parts:
         return _shapes(
-            drawing, classes, Attached.alone(body.depth.depths, body.faces), body, strict
+            drawing, Attached.alone(body.depth.depths, body.faces, classes), body, strict
         )
     found: list[Reading] = []
     joined: dict[frozenset[frozenset[frozenset[int]]], Attached] = {}
@@ -298,21 +294,20 @@ def _of_body(
                 found += _sides(drawing, way.depths, way.faces, every)
     corners = tuple(sorted({*body.corners, *(c for part in parts for c in part.corners)}))
     for way in likeliest(drawing, list(joined.values()), corners, MOST_WAYS):
-        depth = affine_depth(drawing, classes, corners, way.faces)
+        depth = affine_depth(drawing, way.classes, corners, way.faces)
         whole = Lifting(corners, way.faces, depth, unique=False)
-        found += _shapes(drawing, classes, way, whole, strict)
+        found += _shapes(drawing, way, whole, strict)
     return found
 
 
 def _shapes(
     drawing: Drawing,
-    classes: ParallelClasses,
     way: Attached,
     whole: Lifting,
     strict: int,
 ) -> list[Reading]:
     """Return readings of a lifting that holds all parts."""
-    relief, maps = _maps(drawing, classes, whole)
+    relief, maps = _maps(drawing, way.classes, whole)
     found = []
     for chosen, regular in zip(maps, all_measures(relief, maps), strict=True):
         depths = relief.heights(squared(relief, chosen))

@@ -26,8 +26,9 @@ from bozzetto_polyhedron.reconstruction.lifting import embeddings
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.visibility import hidden_shares
 
-UNEVEN: Final = 0.1
-"""Singular value up to which faces are planes: right ones have 0.09 at most with 1 % of noise."""
+UNEVEN: Final = (0.1, 20.0)
+"""Singular value up to which faces are planes, and in units of the noise if that is more: right
+ones have 0.09 at most with 1 % of jitter, whose noise is 0.0046."""
 
 
 def seen_otherwise(drawing: Drawing, points: Array, lines: Index, hidden: Array) -> float | None:
@@ -65,7 +66,7 @@ def _misfit(whole: Drawing, rings: Sequence[Ring]) -> float:
     faces = [(ring,) for ring in rings]
     corners = sorted({corner for ring in rings for corner in ring})
     found = affine_depth(whole, parallel_classes(whole), corners, faces)
-    if found.residual > UNEVEN:
+    if found.residual > max(UNEVEN[0], UNEVEN[1] * whole.noise):
         return 1.0
     spread = np.std(whole.points) / max(float(np.std(found.depths)), 1e-12)
     lengths = whole.lengths / max(float(whole.lengths.sum()), 1e-12)

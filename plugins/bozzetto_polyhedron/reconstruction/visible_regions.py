@@ -137,12 +137,26 @@ def holes_in(drawing: Drawing, junctions: Junctions, ring: Sequence[int]) -> lis
     """
     outer = drawing.points[list(ring)]
     return [
+        each
+        for each in outer_rings(drawing, junctions)
+        if not set(each) & set(ring) and bool(inside(drawing.points[list(each)], outer).all())
+    ]
+
+
+def outer_rings(drawing: Drawing, junctions: Junctions) -> list[Ring]:
+    """Return rings around all that hangs together, counter-clockwise.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        Corners and visible lines.
+    junctions : Junctions
+        Ends of lines that go behind others.
+    """
+    return [
         each[::-1]
         for each in _boundaries(drawing, junctions)
-        if len(each) > 2
-        and not set(each) & set(ring)
-        and _area(drawing.points[list(each)]) < 0.0
-        and bool(inside(drawing.points[list(each)], outer).all())
+        if len(each) > 2 and _area(drawing.points[list(each)]) < 0.0
     ]
 
 

@@ -21,6 +21,7 @@ from bozzetto_polyhedron.model.state import MOST_ANSWERS, Body, Dimension, Polyh
 from bozzetto_polyhedron.reconstruction.answer import Answer, Rings
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.flaps import without_findings_at_flaps
+from bozzetto_polyhedron.reconstruction.ranking import SURE
 from bozzetto_polyhedron.rounds.ink_left import Evidence
 from bozzetto_polyhedron.rounds.on_bodies import Rounded, shows_column, with_rounds
 from bozzetto_polyhedron.rounds.round_things import PlacedRound
@@ -51,6 +52,14 @@ square to an axis of the world."""
 
 ON_AXIS: Final = 1e-12
 """Cosine from 1 within which a plane that was turned is meant square to an axis of the world."""
+
+
+CHECK: Final = "Erase those that you did not mean, and draw them as they are."
+OTHERWISE: Final = (
+    "They may well be others: “Draw hidden edges” once more shows the next guess, or draw them "
+    "lightly yourself."
+)
+"""What is said of guessed edges: where they are likely, and where they are not."""
 
 
 def never(fraction: float = 0.0, doing: str = "") -> None:
@@ -123,6 +132,7 @@ def solved(
     answers = answers_of_ink(body.strokes, body.evidence, body.hidden, checkpoint)
     if not answers:
         return Solved(graph, problem="These lines make no shape yet. Draw on.")
+    answers = _less_sure(answers, body)
     number = chosen_number(answers, body.choice, body.answer)
     checkpoint(0.9, "Exact planes")
     try:
@@ -141,6 +151,23 @@ def solved(
         return Solved(graph, answers, number, problem=str(problem))
     base = placed_body(base, body.placement)
     return Solved(graph, answers, number, base, placed, mesh, drawn.placed)
+
+
+def _less_sure(answers: tuple[Answer, ...], body: Body) -> tuple[Answer, ...]:
+    """Return answers as much less likely as edges are that were guessed, which is told."""
+    count = len(body.strokes) - len(body.drawn)
+    if not count:
+        return answers
+    edges = "One edge is guessed" if count == 1 else f"{count} edges are guessed"
+    told = f"{edges}, drawn lightly. {CHECK if body.guess_certainty >= SURE else OTHERWISE}"
+    return tuple(
+        replace(
+            each,
+            confidence=body.guess_certainty * each.confidence,
+            warnings=(*each.warnings, told),
+        )
+        for each in answers
+    )
 
 
 def joined_bodies(results: Mapping[str, Solved]) -> dict[str, str]:

@@ -26,7 +26,7 @@ ROOMS = (
 )
 """What reads drawings, in the folder of the plugin."""
 
-NUMBERS = ("confidence_tables.py", "confidence_weights.py")
+NUMBERS = ("confidence_tables.py", "confidence_weights.py", "guess_numbers.py")
 """Of that, what is fitted to outcomes."""
 
 

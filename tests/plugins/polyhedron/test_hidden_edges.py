@@ -10,7 +10,7 @@ import pytest
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context
-from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges, without_guessed
+from bozzetto_polyhedron.commands.hidden_edges import draw_hidden_edges
 from bozzetto_polyhedron.graph.line_graph import LineGraph
 from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.model.assign_stroke import new_body
@@ -334,7 +334,7 @@ def test_the_command_draws_light_edges_that_make_a_solid() -> None:
 def test_once_more_takes_the_guess_back_first() -> None:
     state, strokes = drawn()
     once = draw_hidden_edges(state, Context())
-    assert without_guessed(once.nodes[0]) == state.nodes[0].strokes
+    assert once.nodes[0].drawn == state.nodes[0].strokes
     twice = draw_hidden_edges(once, Context())
     guesses = hidden_lines(searched(strokes, only_visible=True).graph, strokes[0].camera)
     assert twice.nodes[0].guess == (1 if len(guesses) > 1 else 0)
@@ -347,7 +347,7 @@ def test_what_a_person_changed_among_guessed_edges_stays() -> None:
     fewer = replace(body, strokes=Strokes(tuple(body.strokes)[:-1]))
     more = replace(body, strokes=Strokes((*body.strokes, strokes[0])))
     for each in (fewer, more):
-        assert without_guessed(each) == each.strokes
+        assert each.drawn == each.strokes
 
 
 def test_a_drawing_that_tells_nothing_is_refused_with_advice() -> None:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bozzetto_polyhedron.graph.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
+from bozzetto_polyhedron.reconstruction.part_depths import with_own_sides
 from bozzetto_polyhedron.reconstruction.visibility import hidden_shares
 from tests.plugins.polyhedron.cad_parts import regular
 from tests.plugins.polyhedron.machine_parts import tapered
@@ -83,6 +86,58 @@ def test_what_is_sunk_into_a_frustum_along_its_axis_is_found(seed: int, through:
     sets = {frozenset(frozenset(ring) for ring in face) for face in first.faces}
     assert sets == shown.solid.face_sets()
     assert is_right(shown, in_eye_frame(first.vertices, CAMERA), 0.005, mirrored=False)
+
+
+def whole_answers(solid: Polyhedron, seed: int, noise: float) -> list[bool]:
+    """Whether each of three answers has the faces and the shape of the solid; none without view."""
+    shown = view(solid, seed)
+    if shown is None:
+        return []
+    graph, _ = graph_of(shown, noise, seed, marks=0.0)
+    return [
+        {frozenset(frozenset(ring) for ring in face) for face in each.faces}
+        == shown.solid.face_sets()
+        and is_right(shown, in_eye_frame(each.vertices, CAMERA), noise, mirrored=False)
+        for each in answers_of(graph, CAMERA)[:3]
+    ]
+
+
+@pytest.mark.long
+def test_most_frusta_with_holes_are_read_first() -> None:
+    """The hole's sides often look parallel to an edge by chance; half were pockets before."""
+    every = [whole_answers(pierced_frustum(seed, True), seed, 0.005) for seed in range(300, 312)]
+    found = [each for each in every if each]
+    assert len(found) >= 8
+    assert np.mean([each[0] for each in found]) >= 0.75
+    assert np.mean([any(each) for each in found]) >= 0.9
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_sides_that_look_parallel_cost_what_a_chance_is_worth(seed: int) -> None:
+    """The ratio of both densities at the angle between sides and the closest edge of the body."""
+    shown = view(looped("hole"), seed)
+    assert shown is not None
+    graph, _ = graph_of(shown, 0.005, seed)
+    drawing = drawing_of(graph)
+    classes = parallel_classes(drawing)
+    parts = components(neighbors_of(drawing.lines))
+    body = max(parts, key=lambda part: float(np.ptp(drawing.points[list(part)], axis=0).sum()))
+    inner = ~np.isin(drawing.lines[:, 0], body)
+    upright = classes.labels == np.bincount(classes.labels[inner]).argmax()
+    sides = np.flatnonzero(inner & upright)
+    own, cost = with_own_sides(drawing, classes, body, sides)
+    spans = [drawing.spans[sides], drawing.spans[upright & ~inner]]
+    angles = [0.5 * np.angle(((each @ (1.0, 1.0j)) ** 2).sum()) for each in spans]
+    deviation = np.sqrt(
+        sum(np.radians(0.7) ** 2 + drawing.noise**2 / (each**2).sum() for each in spans)
+    )
+    off = (angles[0] - angles[1] + np.pi / 2.0) % np.pi - np.pi / 2.0
+    same = np.exp(-0.5 * (off / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
+    assert cost == pytest.approx(max(0.0, float(np.log(same * np.pi))))
+    assert len(set(own.labels[sides].tolist())) == 1
+    assert not set(own.labels[sides].tolist()) & set(
+        own.labels[~np.isin(range(len(upright)), sides)]
+    )
 
 
 def test_without_marks_pocket_and_boss_are_both_offered() -> None:

@@ -12,8 +12,8 @@ from bozzetto_polyhedron.graph.live import searched
 from bozzetto_polyhedron.graph.planar_embedding import components, neighbors_of
 from bozzetto_polyhedron.reconstruction.answers import answers_of
 from bozzetto_polyhedron.reconstruction.drawing import drawing_of
+from bozzetto_polyhedron.reconstruction.hanging_parts import hanging_order
 from bozzetto_polyhedron.reconstruction.lifting import liftings
-from bozzetto_polyhedron.reconstruction.loose_loops import hanging_order
 from bozzetto_polyhedron.reconstruction.parallel_classes import LOOSE, parallel_classes
 from bozzetto_polyhedron.solve.line_readings import decided
 from tests.plugins.polyhedron.cad_parts import part
