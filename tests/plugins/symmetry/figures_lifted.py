@@ -16,10 +16,7 @@ from scipy.spatial import cKDTree
 from bozzetto.errors import UserError
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing
-try:
-    from bozzetto_symmetry.report import warnings_of
-except ImportError:
-    warnings_of = lambda c, s: ()
+from bozzetto_symmetry.operations.joined_pieces import may_go_on
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.lifted_drawings import Lifted, lifted
@@ -66,7 +63,7 @@ def outcome(thing: Lifted) -> Outcome:
         except UserError:
             told = True
     told |= any(trace.curve is None or trace.warnings for trace in traces)
-    told |= any(warnings_of(curve, state) for curve in state.curves)
+    told |= any(may_go_on(curve, state) for curve in state.curves)
     off = _off(thing, traces)
     right = off <= RIGHT
     reading = traces[0].reading if traces else ""

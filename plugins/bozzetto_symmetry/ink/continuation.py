@@ -1,0 +1,122 @@
+"""Whether one line goes on where another one ended, because the pen was lifted there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from bozzetto.arrays import Array
+from bozzetto.ink import arc_length, distances_to_polyline
+from bozzetto_symmetry.ink.polyline import length_of
+
+SHORTEST: Final = 12.0
+"""Length, px, from which ink is a piece of a line and no dot or tick."""
+
+REACH: Final = (0.2, 10.0, 40.0)
+"""Length of ink over which the direction of an end is taken, as a share of its line; least and
+greatest, px. A parabola is fitted to it: over 40 px a hand of 3 px tells a direction to some 10°."""
+
+BESIDE: Final = 3.0
+"""How far beside the way of one end another one begins, px, for a hand without a tremor."""
+
+TREMOR: Final = 1.5
+"""How much more that is for each px of tremor."""
+
+WIDEST: Final = 9.0
+"""Greatest of that distance, px: farther ends are ends of two lines."""
+
+GAP: Final = 10.0
+"""Widest gap along the way that the pen leaves out, px; as of strokes of one line."""
+
+AGAIN: Final = (0.25, 60.0)
+"""Ink that is drawn twice where the pen is set down again, as a share of the shorter line, and px
+at most."""
+
+BENDS: Final = (35.0, 115.0)
+"""Bend, degrees, up to which a line surely goes on, and up to which it may have a corner there."""
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """How one line goes on where another one ended.
+
+    Attributes
+    ----------
+    gap : float
+        Distance of the ends, px.
+    bend : float
+        Angle between the ways of both ends, degrees.
+    sure : bool
+        It goes on as smoothly as a hand does; else there may be a corner.
+    """
+
+    gap: float
+    bend: float
+    sure: bool
+
+
+def continuation(one: Array, other: Array, noise: float = 0.0) -> Continuation | None:
+    """Return how two open lines join at their ends, the smoothest way; None where they do not.
+
+    Parameters
+    ----------
+    one, other : (n, 2), (m, 2) float
+        Smoothed and evenly spaced lines, px, in any sense.
+    noise : float
+        Standard deviation of the hand across them, px.
+    """
+    if min(map(length_of, (one, other))) < SHORTEST:
+        return None
+    found = [
+        _joint(first, second, noise)
+        for first in (one, one[::-1])
+        for second in (other, other[::-1])
+    ]
+    return min(
+        (each for each in found if each is not None), key=lambda each: each.bend, default=None
+    )
+
+
+def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
+    """Return how a line that begins where another one ends goes on; None where it does not."""
+    shorter = min(length_of(one), length_of(other))
+    share, most = AGAIN
+    again = min(share * shorter, most)
+    away = float(np.linalg.norm(other[0] - one[-1]))
+    beside = min(BESIDE + TREMOR * noise, WIDEST)
+    if away > max(np.hypot(GAP, beside), again):
+        return None
+    place, way = _end(one)
+    there, back = _end(other[::-1])
+    bend = float(np.degrees(np.arccos(np.clip(-(way @ back), -1.0, 1.0))))
+    if bend > BENDS[1]:
+        return None
+    ahead = way - back
+    ahead /= max(float(np.linalg.norm(ahead)), 1e-9)
+    step = there - place
+    along = float(step @ ahead)
+    across = abs(float(step[0] * ahead[1] - step[1] * ahead[0]))
+    if along < -beside:
+        # Drawn again before it goes on: that ink lies over the end of the first line.
+        over = other[arc_length(other) <= -along]
+        across = float(np.max(distances_to_polyline(over, one))) if len(over) else across
+    if across > beside or not -again <= along <= GAP:
+        return None
+    return Continuation(away, bend, bend <= BENDS[0])
+
+
+def _end(line: Array) -> tuple[Array, Array]:
+    """Return where a line ends, and the unit direction in which it leaves there.
+
+    Both are those of a parabola along the arc length, fitted by least squares.
+    """
+    share, least, most = REACH
+    along = arc_length(line)
+    reach = float(np.clip(share * along[-1], least, most))
+    back = along[-1] - along
+    near = back <= max(reach, float(back[-min(4, len(back))]))
+    basis = np.vander(-back[near], min(3, int(near.sum())), increasing=True)
+    found = np.linalg.lstsq(basis, line[near], rcond=None)[0]
+    return found[0], found[1] / max(float(np.linalg.norm(found[1])), 1e-300)

@@ -1,0 +1,332 @@
+"""Which curves are pieces of one line, because the pen was lifted within it.
+
+A stroke that begins where another one ended may go on with it, or begin a curve of its own; ends of
+two pieces look like ends of two curves. So all that hangs together at its ends is read as one
+line, by itself and beside each side that waits, and the readings decide: what fits whole as a pair or
+across the plane was meant. Where nothing fits whole yet, a piece that goes on smoothly is taken
+for one, and one that may go on round a corner is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from bozzetto.errors import UserError
+from bozzetto.ink import Strokes, carried_places, is_one_view
+from bozzetto_symmetry.ink.continuation import Continuation, continuation
+from bozzetto_symmetry.ink.sides import Side
+from bozzetto_symmetry.interpretation.candidate import Read
+from bozzetto_symmetry.model.state import Curve, SymmetryState
+from bozzetto_symmetry.operations.second_sides import (
+    SURE_PAIR,
+    is_chance,
+    shares_lines,
+    trace_if_any,
+    waits,
+)
+from bozzetto_symmetry.solve.curve_solver import View, views_of
+
+WHOLE: Final = 0.9
+"""Share of the ink that has its partner in a reading that takes it whole."""
+
+ROUND_A_CORNER: Final = 2.0
+"""Price, px, up to which pieces that meet at a corner are one curve across the plane: few different
+curves fold so well by chance."""
+
+MORE: Final = 1.0
+"""How much more, px, a reading may cost for each piece that it takes in and others leave waiting."""
+
+MOST: Final = 5
+"""Most curves that are looked at as pieces of one line."""
+
+MAY_GO_ON: Final = "It may go on where “{}” ends. Press X to take both for one line."
+
+
+@dataclass(frozen=True)
+class Link:
+    """Two strokes of two curves, of which one may go on where the other ended."""
+
+    curves: tuple[str, str]
+    strokes: tuple[int, int]
+    how: Continuation
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """Curves that are taken for one.
+
+    Attributes
+    ----------
+    curve : Curve
+        With the ink of all of them.
+    members : tuple of str
+        The ids of the curves that it was made of.
+    links : tuple of Link
+        Where the pen was lifted.
+    view : View
+    read : Read
+        The best meaning of all this ink.
+    """
+
+    curve: Curve
+    members: tuple[str, ...]
+    links: tuple[Link, ...]
+    view: View
+    read: Read
+
+    @property
+    def sure(self) -> bool:
+        """Whether the line goes on smoothly wherever the pen was lifted."""
+        return all(link.how.sure for link in self.links)
+
+    def is_whole(self, state: SymmetryState) -> bool:
+        """Whether all of the ink is a pair, or one curve across the plane."""
+        read = self.read
+        if read.coverage < WHOLE or read.rest > 0.0:
+            return False
+        if read.reading == "self":
+            return self.sure or read.cost <= ROUND_A_CORNER
+        return (
+            read.reading == "pair"
+            and read.cost <= SURE_PAIR
+            and not is_chance(self.view, state)
+        )  # fmt: skip
+
+
+def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) -> Joined | None:
+    """Return what a new curve is a piece of, if it is one.
+
+    Parameters
+    ----------
+    state : SymmetryState
+        The curves that were drawn before.
+    new : Curve
+        A curve of new ink, which is no node of the state yet.
+    cost : float
+        What it costs to take the new ink for the second side of a curve that waits, px; inf: it is
+        none.
+    whole : bool
+        Whether that would take in all ink of both.
+    """
+    known = {curve.id: curve for curve in (*_open_curves(state, new), new) if _may_go_on(curve)}
+    if new.id not in known:
+        return None
+    links = _links(list(known.values()), state)
+    if not links:
+        return None
+    here = [_chain(known, links, chain, (), state) for chain in _chains(new.id, links)]
+    pieces = [each for each in here if each is not None]
+    beside = [
+        _chain(known, links, chain, other, state)
+        for chain in ((new.id,), *_chains(new.id, links))
+        for name in known
+        if name not in chain and _is_one_sided(known[name], state)
+        for other in ((name,), *_chains(name, links))
+        if (len(chain) > 1 or len(other) > 1) and not set(chain) & set(other)
+    ]
+    fits = [each for each in (*pieces, *beside) if each is not None and each.is_whole(state)]
+    if fits:
+        best = min(fits, key=lambda each: each.read.cost - MORE * len(each.members))
+        if not whole or best.read.cost - MORE * (len(best.members) - 2) < cost:
+            return best
+    if np.isfinite(cost):
+        return None
+    sure = [each for each in pieces if each.sure and _is_better(each, known, state)]
+    return max(sure, key=lambda each: len(each.members), default=None)
+
+
+def with_joined(state: SymmetryState, joined: Joined) -> SymmetryState:
+    """Return the state with curves that are one as one, chosen."""
+    state = state.without_nodes(*(name for name in joined.members if name != joined.curve.id))
+    return state.with_node(joined.curve)
+
+
+def open_links(curve: Curve, state: SymmetryState) -> tuple[Link, ...]:
+    """Return where a curve may go on from others that it is not joined to, the smoothest first."""
+    if not _can_be_joined(curve):
+        return ()
+    found = [
+        link
+        for other in _open_curves(state, curve)
+        if _can_be_joined(other)
+        for link in _links([curve, other], state)
+    ]
+    return tuple(sorted(found, key=lambda link: (link.how.bend, link.curves)))
+
+
+def joined_as_asked(curve: Curve, state: SymmetryState) -> Joined | None:
+    """Return a curve with the one that it most likely goes on from, because a person says so."""
+    for link in open_links(curve, state):
+        other = next(node for node in state.curves if node.id in link.curves and node != curve)
+        known = {node.id: replace(node, goes_on=True, reading="auto") for node in (other, curve)}
+        made = _chain(known, (link,), link.curves, (), state)
+        if made is not None:
+            return made
+    return None
+
+
+def parted(state: SymmetryState) -> SymmetryState | None:
+    """Return the state with the newest piece of the chosen curve as a curve of its own, chosen."""
+    curve = state.chosen
+    if curve is None or not curve.pieces:
+        return None
+    newest = max(number for piece in curve.pieces for number in piece)
+    rest = curve.with_only([k for k in range(len(curve.strokes)) if k != newest])
+    own = Curve(
+        id=state.unused_id(), name=state.unused_name("Curve"),
+        strokes=Strokes((curve.strokes[newest],)), goes_on=False, color=curve.color,
+    )  # fmt: skip
+    rest = replace(rest, reading="auto", other=False, end_snaps=())
+    return state.with_node(rest).with_node(own)
+
+
+def may_go_on(curve: Curve, state: SymmetryState) -> tuple[str, ...]:
+    """Return what is said of a curve that may go on from another one, and was not taken so."""
+    if not curve.goes_on:
+        return ()
+    names = {node.id: node.name for node in state.curves}
+    for link in open_links(curve, state):
+        both = [node for node in state.curves if node.id in link.curves]
+        if all(node.goes_on for node in both) and any(_lacks(node, state) for node in both):
+            other = next(name for name in link.curves if name != curve.id)
+            return (MAY_GO_ON.format(names[other]),)
+    return ()
+
+
+def _lacks(curve: Curve, state: SymmetryState) -> bool:
+    """Return whether ink of a curve waits for more, so that it matters what goes on with it."""
+    trace = trace_if_any(curve, state)
+    return trace is not None and (trace.reading == "half" or trace.rest > 0.0)
+
+
+def _can_be_joined(curve: Curve) -> bool:
+    return curve.canvas is None and not curve.edits and len(curve.strokes) > 0
+
+
+def _may_go_on(curve: Curve) -> bool:
+    return _can_be_joined(curve) and curve.goes_on and curve.reading == "auto"
+
+
+def _open_curves(state: SymmetryState, curve: Curve) -> list[Curve]:
+    """Return the other curves of which all ink is in the view of a curve."""
+    camera = curve.strokes[0].camera
+    return [
+        node for node in state.shown_curves
+        if node.id != curve.id
+        and all(is_one_view(camera, stroke.camera) for stroke in node.strokes)
+    ]  # fmt: skip
+
+
+def _is_one_sided(curve: Curve, state: SymmetryState) -> bool:
+    trace = trace_if_any(curve, state)
+    return (
+        trace is not None
+        and waits(curve, trace)
+        and len(trace.views) == 1
+        and len(trace.views[0].sides) == 1
+    )
+
+
+def _lines(curve: Curve, state: SymmetryState) -> list[tuple[Side, tuple[int, ...]]]:
+    """Return the open sides of a curve, with the numbers of their strokes in it."""
+    try:
+        (view,) = views_of(curve, state, curve.reading)
+    except (UserError, ValueError):
+        return []
+    return [
+        (side, tuple(view.numbers[k] for k in side.strokes))
+        for side in view.sides
+        if not side.closed
+    ]
+
+
+def _links(curves: Sequence[Curve], state: SymmetryState) -> tuple[Link, ...]:
+    """Return where some curves may go on from one another."""
+    lines = [(curve, side, numbers) for curve in curves for side, numbers in _lines(curve, state)]
+    found = []
+    for (one, side, numbers), (other, that, others) in combinations(lines, 2):
+        if one.id == other.id:
+            continue
+        first, second = one.strokes[0].camera, other.strokes[0].camera
+        pixels = that.pixels if first == second else carried_places(that.pixels, second, first)
+        how = continuation(side.pixels, pixels, max(side.noise, that.noise))
+        if how is not None:
+            found.append(Link((one.id, other.id), (numbers[-1], others[-1]), how))
+    return tuple(found)
+
+
+def _chains(name: str, links: Sequence[Link]) -> Iterator[tuple[str, ...]]:
+    """Yield curves that may be pieces of one line with a curve: all, the sure ones, each alone."""
+    sure = tuple(link for link in links if link.how.sure)
+    near = [other for link in links if name in link.curves for other in link.curves]
+    chains = [_hanging(name, links), _hanging(name, sure)]
+    chains += [(name, other) for other in near if other != name]
+    yield from dict.fromkeys(tuple(sorted(chain)) for chain in chains if 1 < len(chain) <= MOST)
+
+
+def _hanging(name: str, links: Sequence[Link]) -> tuple[str, ...]:
+    """Return all curves that hang together with a curve."""
+    found = [name]
+    for here in found:
+        near = {other for link in links if here in link.curves for other in link.curves}
+        found += sorted(near - set(found))
+    return tuple(found)
+
+
+def _chain(
+    known: dict[str, Curve],
+    links: Sequence[Link],
+    chain: Sequence[str],
+    other: Sequence[str],
+    state: SymmetryState,
+) -> Joined | None:
+    """Return the curves of a chain, and of one on the other side, as one curve; None: they are not.
+
+    A curve that has both sides already goes on at either of them, and takes in no third one.
+    """
+    members = [name for name in known if name in chain or name in other]
+    used = tuple(
+        link for link in links
+        if set(link.curves) <= set(chain) or set(link.curves) <= set(other)
+    )  # fmt: skip
+    if other and not shares_lines(known[chain[0]], tuple(known[other[0]].strokes), state):
+        return None
+    begins, strokes, pieces = {}, [], []
+    for name in members:
+        begins[name] = len(strokes)
+        shift = len(strokes)
+        strokes += list(known[name].strokes)
+        pieces += [(i + shift, j + shift) for i, j in known[name].pieces]
+    for link in used:
+        one, two = (begins[c] + k for c, k in zip(link.curves, link.strokes, strict=True))
+        pieces.append((one, two))
+    curve = replace(
+        known[members[0]], strokes=Strokes(strokes), pieces=tuple(pieces), end_snaps=(), axis=-1
+    )
+    try:
+        (view,) = views_of(curve, state)
+        read = view.reader.read("auto", state.bounds)[0]
+    except (UserError, ValueError):
+        return None
+    return Joined(curve, tuple(members), used, view, read)
+
+
+def _is_better(joined: Joined, known: dict[str, Curve], state: SymmetryState) -> bool:
+    """Return whether nothing that was read whole before comes apart by joining it."""
+    whole = []
+    for name in joined.members:
+        trace = trace_if_any(known[name], state)
+        if trace is not None and trace.reading in ("pair", "self"):
+            whole.append(trace)
+    if not whole:
+        return True
+    if joined.read.reading != whole[0].reading or joined.read.cost > SURE_PAIR:
+        return False
+    if joined.read.reading == "pair":
+        return len(whole) == 1 and not is_chance(joined.view, state)
+    return joined.read.coverage >= WHOLE
