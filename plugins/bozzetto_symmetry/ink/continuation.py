@@ -16,19 +16,17 @@ SHORTEST: Final = 12.0
 
 REACH: Final = (0.2, 10.0, 40.0)
 """Length of ink over which the direction of an end is taken, as a share of its line; least and
-greatest, px. A parabola is fitted to it: over 40 px a hand of 3 px tells a direction to some 10°."""
+greatest, px. A parabola is fitted to it."""
 
-BESIDE: Final = 3.0
-"""How far beside the way of one end another one begins, px, for a hand without a tremor."""
-
-TREMOR: Final = 1.5
-"""How much more that is for each px of tremor."""
-
-WIDEST: Final = 9.0
-"""Greatest of that distance, px: farther ends are ends of two lines."""
+BESIDE: Final = (0.04, 4.0, 8.0)
+"""How far beside the way of one end another one begins that surely goes on with it, as a share of
+the shorter line, least and greatest, px. What a hand trembles by it misses by, twice."""
 
 GAP: Final = 10.0
-"""Widest gap along the way that the pen leaves out, px; as of strokes of one line."""
+"""Gap along the way that the pen leaves out there, px; as of strokes of one line."""
+
+LOOSELY: Final = 2.0
+"""How many times farther ends may be that possibly belong together."""
 
 AGAIN: Final = (0.25, 60.0)
 """Ink that is drawn twice where the pen is set down again, as a share of the shorter line, and px
@@ -49,7 +47,7 @@ class Continuation:
     bend : float
         Angle between the ways of both ends, degrees.
     sure : bool
-        It goes on as smoothly as a hand does; else there may be a corner.
+        It goes on as smoothly and as near as a hand does; else there may be a corner, or two ends.
     """
 
     gap: float
@@ -82,11 +80,11 @@ def continuation(one: Array, other: Array, noise: float = 0.0) -> Continuation |
 def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
     """Return how a line that begins where another one ends goes on; None where it does not."""
     shorter = min(length_of(one), length_of(other))
-    share, most = AGAIN
-    again = min(share * shorter, most)
+    share, least, most = BESIDE
+    beside = float(np.clip(share * shorter, least, most)) + noise
+    again = min(AGAIN[0] * shorter, AGAIN[1])
     away = float(np.linalg.norm(other[0] - one[-1]))
-    beside = min(BESIDE + TREMOR * noise, WIDEST)
-    if away > max(np.hypot(GAP, beside), again):
+    if away > LOOSELY * float(np.hypot(GAP, beside)) + again:
         return None
     place, way = _end(one)
     there, back = _end(other[::-1])
@@ -102,9 +100,10 @@ def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
         # Drawn again before it goes on: that ink lies over the end of the first line.
         over = other[arc_length(other) <= -along]
         across = float(np.max(distances_to_polyline(over, one))) if len(over) else across
-    if across > beside or not -again <= along <= GAP:
+    if across > LOOSELY * beside or not -again <= along <= LOOSELY * GAP:
         return None
-    return Continuation(away, bend, bend <= BENDS[0])
+    smooth = bend <= BENDS[0]
+    return Continuation(away, bend, smooth and across <= beside and along <= GAP)
 
 
 def _end(line: Array) -> tuple[Array, Array]:

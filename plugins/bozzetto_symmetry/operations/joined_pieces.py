@@ -1,10 +1,10 @@
 """Which curves are pieces of one line, because the pen was lifted within it.
 
-A stroke that begins where another one ended may go on with it, or begin a curve of its own; ends of
-two pieces look like ends of two curves. So all that hangs together at its ends is read as one
-line, by itself and beside each side that waits, and the readings decide: what fits whole as a pair or
-across the plane was meant. Where nothing fits whole yet, a piece that goes on smoothly is taken
-for one, and one that may go on round a corner is told.
+A stroke that begins where another one ended may go on with it, or begin a curve of its own: ends
+of two pieces look like ends of two curves. So all that hangs together at its ends is read as one
+line, by itself and beside each side that waits, and the readings decide: what fits whole as a pair
+or across the plane was meant. Where nothing fits whole yet, a piece that goes on smoothly is taken
+for one; of one that may go on round a corner the person is told.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ ROUND_A_CORNER: Final = 2.0
 curves fold so well by chance."""
 
 MORE: Final = 1.0
-"""How much more, px, a reading may cost for each piece that it takes in and others leave waiting."""
+"""How much more, px, a reading may cost for each piece that it takes in and others do not."""
 
 MOST: Final = 5
 """Most curves that are looked at as pieces of one line."""
@@ -101,6 +101,9 @@ class Joined:
 def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) -> Joined | None:
     """Return what a new curve is a piece of, if it is one.
 
+    A curve that is whole already is taken on only where the new one smoothly goes on from it:
+    what begins at its end at a corner is another curve.
+
     Parameters
     ----------
     state : SymmetryState
@@ -116,7 +119,12 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
     known = {curve.id: curve for curve in (*_open_curves(state, new), new) if _may_go_on(curve)}
     if new.id not in known:
         return None
-    links = _links(list(known.values()), state)
+    waiting = {name for name, curve in known.items() if curve is new or _waits(curve, state)}
+    links = [
+        link
+        for link in _links(list(known.values()), state)
+        if link.how.sure or waiting.issuperset(link.curves)
+    ]
     if not links:
         return None
     here = [_chain(known, links, chain, (), state) for chain in _chains(new.id, links)]
@@ -230,6 +238,11 @@ def _is_one_sided(curve: Curve, state: SymmetryState) -> bool:
         and len(trace.views) == 1
         and len(trace.views[0].sides) == 1
     )
+
+
+def _waits(curve: Curve, state: SymmetryState) -> bool:
+    trace = trace_if_any(curve, state)
+    return trace is not None and waits(curve, trace)
 
 
 def _lines(curve: Curve, state: SymmetryState) -> list[tuple[Side, tuple[int, ...]]]:

@@ -269,7 +269,8 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
         ghost=_ghost(views[main], first, rest, margin, curve.detail),
         choices=1 + len(rest), views=views, warnings=notices(first, rest, fit.off_ink, sure),
-        rest=first.rest, coverage=first.coverage, planes=0 if fit.form is None else len(fit.form.planes),
+        rest=first.rest, coverage=first.coverage,
+        planes=0 if fit.form is None else len(fit.form.planes),
     )  # fmt: skip
 
 

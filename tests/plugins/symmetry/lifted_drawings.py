@@ -47,7 +47,6 @@ def _whole(half: Array) -> Array:
 
 
 _S: Final = np.linspace(0.0, 1.0, 300)
-_TURN: Final = 2.0 * np.pi * np.arange(300) / 300.0
 
 
 def _of(x: Array | float, y: Array | float, z: Array | float) -> Array:
@@ -78,12 +77,20 @@ PAIRS: Final[dict[str, Array]] = {
 """Sides of pairs, (300, 3) mm."""
 
 ACROSS: Final[dict[str, Array]] = {
-    "handlebar": _whole(_through((30, 0, 20), (34, 14, 20), (40, 30, 24), (30, 42, 26), (5, 46, 24))),
+    "handlebar": _whole(
+        _through((30, 0, 20), (34, 14, 20), (40, 30, 24), (30, 42, 26), (5, 46, 24))
+    ),
     "boat rib": _whole(_of(5.0, 44 * np.sin(0.5 * np.pi * _S) ** 0.9, -30 + 55 * _S**2.2)),
-    "headphone band": _whole(_of(8 * _S, 38 * np.sin(0.55 * np.pi * _S), 40 * np.cos(0.6 * np.pi * _S))),
-    "mirror arch": _whole(_through((10, 0, 42), (10, 20, 38), (10, 32, 20), (8, 35, -10), (0, 34, -42))),
-    "chin and jaw": _whole(_through((52, 0, -42), (46, 14, -40), (30, 28, -28), (10, 36, -8), (2, 38, 24))),
-}  # fmt: skip
+    "headphone band": _whole(
+        _of(8 * _S, 38 * np.sin(0.55 * np.pi * _S), 40 * np.cos(0.6 * np.pi * _S))
+    ),
+    "mirror arch": _whole(
+        _through((10, 0, 42), (10, 20, 38), (10, 32, 20), (8, 35, -10), (0, 34, -42))
+    ),
+    "chin and jaw": _whole(
+        _through((52, 0, -42), (46, 14, -40), (30, 28, -28), (10, 36, -8), (2, 38, 24))
+    ),
+}
 """Curves across the plane, (300, 3) mm."""
 
 
