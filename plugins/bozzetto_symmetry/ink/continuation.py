@@ -54,6 +54,11 @@ class Continuation:
     bend: float
     sure: bool
 
+    @property
+    def smooth(self) -> bool:
+        """Whether there is no corner."""
+        return self.bend <= BENDS[0]
+
 
 def continuation(one: Array, other: Array, noise: float = 0.0) -> Continuation | None:
     """Return how two open lines join at their ends, the smoothest way; None where they do not.

@@ -34,9 +34,9 @@ from bozzetto_symmetry.solve.curve_solver import View, views_of
 WHOLE: Final = 0.9
 """Share of the ink that has its partner in a reading that takes it whole."""
 
-ROUND_A_CORNER: Final = 2.0
-"""Price, px, up to which pieces that meet at a corner are one curve across the plane: few different
-curves fold so well by chance."""
+WIDELY: Final = 2.0
+"""Price, px, up to which pieces whose ends miss each other widely are one curve across the plane:
+few different curves fold so well by chance."""
 
 MORE: Final = 1.0
 """How much more, px, a reading may cost for each piece that it takes in and others do not."""
@@ -90,7 +90,9 @@ class Joined:
         if read.coverage < WHOLE or read.rest > 0.0:
             return False
         if read.reading == "self":
-            return self.sure or read.cost <= ROUND_A_CORNER
+            # Two sides that meet at a corner fold there as well.
+            smooth = all(link.how.smooth for link in self.links)
+            return self.sure or (smooth and read.cost <= WIDELY)
         return (
             read.reading == "pair"
             and read.cost <= SURE_PAIR
@@ -125,7 +127,7 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
         for link in _links(list(known.values()), state)
         if link.how.sure or waiting.issuperset(link.curves)
     ]
-    if not links:
+    if not links or (whole and not any(new.id in link.curves for link in links)):
         return None
     here = [_chain(known, links, chain, (), state) for chain in _chains(new.id, links)]
     pieces = [each for each in here if each is not None]
@@ -323,7 +325,8 @@ def _chain(
     )
     try:
         (view,) = views_of(curve, state)
-        read = view.reader.read("auto", state.bounds)[0]
+        # Sides that meet are pieces of one line as well, which is read as whatever it may be.
+        read = view.reader.read("pair" if other else "auto", state.bounds)[0]
     except (UserError, ValueError):
         return None
     return Joined(curve, tuple(members), used, view, read)
