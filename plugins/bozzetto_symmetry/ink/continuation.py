@@ -16,7 +16,8 @@ SHORTEST: Final = 12.0
 
 REACH: Final = (0.2, 10.0, 40.0)
 """Length of ink over which the direction of an end is taken, as a share of its line; least and
-greatest, px. A parabola is fitted to it."""
+greatest, px. A parabola is fitted to it, and one to a third of it: where a line bends tightly the
+short one tells its direction, and where the hand trembles the long one. The smoother counts."""
 
 BESIDE: Final = (0.04, 4.0, 8.0)
 """How far beside the way of one end another one begins that surely goes on with it, as a share of
@@ -91,9 +92,10 @@ def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
     away = float(np.linalg.norm(other[0] - one[-1]))
     if away > LOOSELY * float(np.hypot(GAP, beside)) + again:
         return None
-    place, way = _end(one)
-    there, back = _end(other[::-1])
-    bend = float(np.degrees(np.arccos(np.clip(-(way @ back), -1.0, 1.0))))
+    ends = [(_end(one, part), _end(other[::-1], part)) for part in (1.0, 1.0 / 3.0)]
+    bends = [_bend(way, back) for (_, way), (_, back) in ends]
+    (place, way), (there, back) = ends[int(np.argmin(bends))]
+    bend = min(bends)
     if bend > BENDS[1]:
         return None
     ahead = way - back
@@ -111,14 +113,20 @@ def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
     return Continuation(away, bend, smooth and across <= beside and along <= GAP)
 
 
-def _end(line: Array) -> tuple[Array, Array]:
+def _bend(way: Array, back: Array) -> float:
+    """Return the angle, degrees, between the ways of two ends that go on into one another."""
+    return float(np.degrees(np.arccos(np.clip(-(way @ back), -1.0, 1.0))))
+
+
+def _end(line: Array, part: float) -> tuple[Array, Array]:
     """Return where a line ends, and the unit direction in which it leaves there.
 
-    Both are those of a parabola along the arc length, fitted by least squares.
+    Both are those of a parabola along the arc length, fitted by least squares to a part of the
+    usual length of ink.
     """
     share, least, most = REACH
     along = arc_length(line)
-    reach = float(np.clip(share * along[-1], least, most))
+    reach = part * float(np.clip(share * along[-1], least, most))
     back = along[-1] - along
     near = back <= max(reach, float(back[-min(4, len(back))]))
     basis = np.vander(-back[near], min(3, int(near.sum())), increasing=True)

@@ -165,9 +165,7 @@ def test_what_may_go_on_is_told_and_the_key_takes_it() -> None:
     state = add_drawing(SymmetryState(), strokes(side, bend))
     state = replace(state, nodes=tuple(replace(c, reading="half") for c in state.curves[:1])
                     + state.nodes[1:])  # fmt: skip
-    state = replace(
-        state, nodes=(replace(state.curves[0], reading="auto"), *state.nodes[1:])
-    )
+    state = replace(state, nodes=(replace(state.curves[0], reading="auto"), *state.nodes[1:]))
     assert len(state.curves) == 2
     joined = switched(state)
     assert len(joined.curves) == 1
