@@ -33,7 +33,7 @@ AGAIN: Final = (0.25, 60.0)
 """Ink that is drawn twice where the pen is set down again, as a share of the shorter line, and px
 at most."""
 
-BENDS: Final = (35.0, 115.0)
+BENDS: Final = (30.0, 115.0)
 """Bend, degrees, up to which a line surely goes on, and up to which it may have a corner there."""
 
 

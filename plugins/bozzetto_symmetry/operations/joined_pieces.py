@@ -34,6 +34,10 @@ from bozzetto_symmetry.solve.curve_solver import View, views_of
 WHOLE: Final = 0.9
 """Share of the ink that has its partner in a reading that takes it whole."""
 
+LOOSELY: Final = 3.0
+"""Price, px, up to which a line that may be one is a side of a pair: corners of a frame hang
+together as well, and long lines of several tubes match something."""
+
 WIDELY: Final = 2.0
 """Price, px, up to which pieces whose ends miss each other widely are one curve across the plane:
 few different curves fold so well by chance."""
@@ -93,11 +97,8 @@ class Joined:
             # Two sides that meet at a corner fold there as well.
             smooth = all(link.how.smooth for link in self.links)
             return self.sure or (smooth and read.cost <= WIDELY)
-        return (
-            read.reading == "pair"
-            and read.cost <= SURE_PAIR
-            and not is_chance(self.view, state)
-        )  # fmt: skip
+        most = SURE_PAIR if self.sure else LOOSELY
+        return read.reading == "pair" and read.cost <= most and not is_chance(self.view, state)
 
 
 def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) -> Joined | None:
@@ -140,6 +141,10 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
         if (len(chain) > 1 or len(other) > 1) and not set(chain) & set(other)
     ]
     fits = [each for each in (*pieces, *beside) if each is not None and each.is_whole(state)]
+    if whole:
+        # A bar and the lines that begin at its ends, left and right, are whole without each other.
+        done = {name for name, curve in known.items() if _is_done(curve, state)}
+        fits = [each for each in fits if done.isdisjoint(each.members)]
     if fits:
         best = min(fits, key=lambda each: each.read.cost - MORE * len(each.members))
         if not whole or best.read.cost - MORE * (len(best.members) - 2) < cost:
@@ -245,6 +250,17 @@ def _is_one_sided(curve: Curve, state: SymmetryState) -> bool:
 def _waits(curve: Curve, state: SymmetryState) -> bool:
     trace = trace_if_any(curve, state)
     return trace is not None and waits(curve, trace)
+
+
+def _is_done(curve: Curve, state: SymmetryState) -> bool:
+    """Return whether all ink of a curve has its partner already."""
+    trace = trace_if_any(curve, state)
+    return (
+        trace is not None
+        and trace.reading in ("pair", "self")
+        and trace.rest == 0.0
+        and trace.coverage >= WHOLE
+    )
 
 
 def _lines(curve: Curve, state: SymmetryState) -> list[tuple[Side, tuple[int, ...]]]:

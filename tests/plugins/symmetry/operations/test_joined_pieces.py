@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from bozzetto_symmetry.report import cautions_of
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.erase import erase
+from tests.plugins.symmetry import meant_drawings as m
 from tests.plugins.symmetry import scenes as s
 from tests.plugins.symmetry.figures_lifted import outcome
 from tests.plugins.symmetry.lifted_drawings import PAIRS, lifted
@@ -34,7 +35,7 @@ def strokes(curve: Array, *cuts: float) -> list[Stroke]:
     """A curve drawn in pieces from cut to cut, shares of its places."""
     pixels = VIEW.project(curve)[0]
     ends = [0, *(round(cut * len(pixels)) for cut in cuts), len(pixels)]
-    pieces = [pixels[i : j + 1] for i, j in zip(ends, ends[1:], strict=False)]
+    pieces = [pixels[i : j + 1] for i, j in pairwise(ends)]
     return [Stroke(piece[:, 0], piece[:, 1], VIEW) for piece in pieces]
 
 
@@ -72,7 +73,8 @@ def test_a_line_goes_on_where_it_was_cut_whatever_its_senses(cut: int, apart: in
 def test_a_corner_may_go_on_and_is_not_sure() -> None:
     corner = int(np.argmin(np.linalg.norm(CORNER - (200.0, 0.0), axis=1)))
     found = continuation(CORNER[:corner], CORNER[corner:])
-    assert found is not None and not found.sure
+    assert found is not None
+    assert not found.sure
     assert found.bend == pytest.approx(np.degrees(np.arctan2(180.0, 30.0)), abs=1.0)
 
 
@@ -81,13 +83,13 @@ def test_a_corner_may_go_on_and_is_not_sure() -> None:
 )
 def test_ends_far_from_one_another_do_not_go_on(way: tuple[float, float]) -> None:
     line = resample(np.array(((0.0, 0.0), (200.0, 0.0))), spacing=2.0)
-    assert continuation(line, line + (200.0, 0.0) + way) is None
+    assert continuation(line, line + np.array((200.0, 0.0)) + way) is None
 
 
 def test_lines_that_run_back_or_alongside_do_not_go_on() -> None:
     line = resample(np.array(((0.0, 0.0), (200.0, 0.0))), spacing=2.0)
-    assert continuation(line, line[::-1] + (0.0, 4.0)) is None
-    assert continuation(line, line[:3] + (200.0, 0.0)) is None  # a tick
+    assert continuation(line, line[::-1] + np.array((0.0, 4.0))) is None
+    assert continuation(line, line[:3] + np.array((200.0, 0.0))) is None  # a tick
 
 
 # -- what pieces are read as -------------------------------------------------------------------
@@ -150,9 +152,7 @@ def test_two_lines_that_meet_at_a_corner_stay_two() -> None:
 def test_strokes_in_other_views_are_no_pieces() -> None:
     (one, _), other = strokes(RAIL, 0.45), s.camera(-40, 15, pixels=800.0)
     state = add_strokes(SymmetryState(), (one,))
-    seen = Stroke(one.points[-1] + ARC[:100, 0], one.points[-1] + ARC[:100, 1], other) if 0 else (
-        Stroke(*(one.points[-1] + ARC[:100] - ARC[0]).T, other)
-    )  # fmt: skip
+    seen = Stroke(*(one.points[-1] + ARC[:100] - ARC[0]).T, other)
     assert open_links(add_strokes(state, (seen,)).curves[-1], state) == ()
 
 
@@ -163,9 +163,6 @@ def test_what_may_go_on_is_told_and_the_key_takes_it() -> None:
     side = PAIRS["chair frame with corners"]
     bend = int(np.argmax(np.linalg.norm(np.diff(side, 2, axis=0), axis=1))) / len(side)
     state = add_drawing(SymmetryState(), strokes(side, bend))
-    state = replace(state, nodes=tuple(replace(c, reading="half") for c in state.curves[:1])
-                    + state.nodes[1:])  # fmt: skip
-    state = replace(state, nodes=(replace(state.curves[0], reading="auto"), *state.nodes[1:]))
     assert len(state.curves) == 2
     joined = switched(state)
     assert len(joined.curves) == 1
@@ -202,7 +199,7 @@ def test_what_a_person_took_apart_stays_apart() -> None:
 
 
 def test_a_join_that_was_not_made_is_told_in_files_too() -> None:
-    side = PAIRS["chair frame with corners"] * (1.0, 1.0, 1.0) + (60.0, 30.0, 40.0)
+    side = PAIRS["chair frame with corners"] + np.array((60.0, 30.0, 40.0))
     bend = int(np.argmax(np.linalg.norm(np.diff(side, 2, axis=0), axis=1))) / len(side)
     state = add_drawing(SymmetryState(), strokes(side, bend))
     assert len(state.curves) == 2
@@ -221,6 +218,16 @@ def test_an_erased_piece_leaves_the_others_joined() -> None:
     left = erase(state, curve.strokes[0]).curves[0]
     assert [x.digest for x in left.strokes] == [x.digest for x in curve.strokes[1:]]
     assert all(0 <= number < 2 for piece in left.pieces for number in piece)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+def test_frames_of_whole_strokes_are_as_they_were(seed: int, noise: float) -> None:
+    """Corners of a box hang together at their ends, and yet each edge is a curve."""
+    across, along = m.frame(noise, np.random.default_rng(seed))
+    state = add_drawing(SymmetryState(), [x for edge in (*across, *along) for x in edge.strokes])
+    assert [len(curve.strokes) for curve in state.curves] == [1] * 4 + [2] * 4
+    assert all(not curve.pieces for curve in state.curves)
 
 
 @pytest.mark.slow
