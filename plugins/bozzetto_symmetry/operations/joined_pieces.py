@@ -122,7 +122,11 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
     known = {curve.id: curve for curve in (*_open_curves(state, new), new) if _may_go_on(curve)}
     if new.id not in known:
         return None
-    waiting = {name for name, curve in known.items() if curve is new or _waits(curve, state)}
+    done = {name for name, node in known.items() if node is not new and _is_done(node, state)}
+    if whole:
+        # A bar and the lines that begin at its ends, left and right, are whole without each other.
+        known = {name: node for name, node in known.items() if name not in done}
+    waiting = {name for name, node in known.items() if node is new or _waits(node, state)} - done
     links = [
         link
         for link in _links(list(known.values()), state)
@@ -141,10 +145,6 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
         if (len(chain) > 1 or len(other) > 1) and not set(chain) & set(other)
     ]
     fits = [each for each in (*pieces, *beside) if each is not None and each.is_whole(state)]
-    if whole:
-        # A bar and the lines that begin at its ends, left and right, are whole without each other.
-        done = {name for name, curve in known.items() if _is_done(curve, state)}
-        fits = [each for each in fits if done.isdisjoint(each.members)]
     if fits:
         best = min(fits, key=lambda each: each.read.cost - MORE * len(each.members))
         if not whole or best.read.cost - MORE * (len(best.members) - 2) < cost:
