@@ -8,8 +8,8 @@ from typing import Any, Final
 from bozzetto.plugin import Caution, Figure, Job
 from bozzetto_symmetry.editing.end_snaps import settled_ends
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.operations.joined_pieces import may_go_on
 from bozzetto_symmetry.solve.curve_solver import MOST_MARGIN, Trace
+from bozzetto_symmetry.solve.pieces import may_go_on
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "reading": Figure(
@@ -94,7 +94,7 @@ def cautions_of(
     cautions = []
     for curve in state.curves:
         trace = traces.get(curve.id)
-        warnings = (problems.get(curve.id, ""),)
+        warnings: tuple[str, ...] = (problems.get(curve.id, ""),)
         if trace is not None:
             warnings = (*trace.warnings, *may_go_on(curve, state))
         cautions += [Caution(f"“{curve.name}”: {text}") for text in warnings if text]

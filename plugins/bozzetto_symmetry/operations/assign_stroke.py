@@ -18,8 +18,8 @@ from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.ink.sides import MOST_STROKES
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.operations.joined_pieces import WHOLE, joined_with_new, with_joined
-from bozzetto_symmetry.operations.second_sides import LOOKS, as_pair, trace_if_any, waits
-from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.operations.second_sides import LOOKS, as_pair, waits
+from bozzetto_symmetry.solve.curve_solver import Trace, trace_if_any, trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR, Stereo
 
 ALONG: Final = 14.0

@@ -11,25 +11,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Final
 
 import numpy as np
 
 from bozzetto.errors import UserError
-from bozzetto.ink import Strokes, carried_places, is_one_view
-from bozzetto_symmetry.ink.continuation import Continuation, continuation
-from bozzetto_symmetry.ink.sides import Side
+from bozzetto.ink import Stroke, Strokes
 from bozzetto_symmetry.interpretation.candidate import Read
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.operations.second_sides import (
     SURE_PAIR,
     is_chance,
     shares_lines,
-    trace_if_any,
     waits,
 )
-from bozzetto_symmetry.solve.curve_solver import View, views_of
+from bozzetto_symmetry.solve.curve_solver import View, trace_if_any, views_of
+from bozzetto_symmetry.solve.pieces import (
+    Link,
+    can_be_joined,
+    links_between,
+    open_links,
+    others_in_view,
+)
 
 WHOLE: Final = 0.9
 """Share of the ink that has its partner in a reading that takes it whole."""
@@ -47,17 +50,6 @@ MORE: Final = 1.0
 
 MOST: Final = 5
 """Most curves that are looked at as pieces of one line."""
-
-MAY_GO_ON: Final = "It may go on where “{}” ends. Press X to take both for one line."
-
-
-@dataclass(frozen=True)
-class Link:
-    """Two strokes of two curves, of which one may go on where the other ended."""
-
-    curves: tuple[str, str]
-    strokes: tuple[int, int]
-    how: Continuation
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +111,7 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
     whole : bool
         Whether that would take in all ink of both.
     """
-    known = {curve.id: curve for curve in (*_open_curves(state, new), new) if _may_go_on(curve)}
+    known = {curve.id: curve for curve in (*others_in_view(state, new), new) if _may_go_on(curve)}
     if new.id not in known:
         return None
     done = {name for name, node in known.items() if node is not new and _is_done(node, state)}
@@ -129,7 +121,7 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
     waiting = {name for name, node in known.items() if node is new or _waits(node, state)} - done
     links = [
         link
-        for link in _links(list(known.values()), state)
+        for link in links_between(list(known.values()), state)
         if link.how.sure or waiting.issuperset(link.curves)
     ]
     if not links or (whole and not any(new.id in link.curves for link in links)):
@@ -161,19 +153,6 @@ def with_joined(state: SymmetryState, joined: Joined) -> SymmetryState:
     return state.with_node(joined.curve)
 
 
-def open_links(curve: Curve, state: SymmetryState) -> tuple[Link, ...]:
-    """Return where a curve may go on from others that it is not joined to, the smoothest first."""
-    if not _can_be_joined(curve):
-        return ()
-    found = [
-        link
-        for other in _open_curves(state, curve)
-        if _can_be_joined(other)
-        for link in _links([curve, other], state)
-    ]
-    return tuple(sorted(found, key=lambda link: (link.how.bend, link.curves)))
-
-
 def joined_as_asked(curve: Curve, state: SymmetryState) -> Joined | None:
     """Return a curve with the one that it most likely goes on from, because a person says so."""
     for link in open_links(curve, state):
@@ -200,41 +179,8 @@ def parted(state: SymmetryState) -> SymmetryState | None:
     return state.with_node(rest).with_node(own)
 
 
-def may_go_on(curve: Curve, state: SymmetryState) -> tuple[str, ...]:
-    """Return what is said of a curve that may go on from another one, and was not taken so."""
-    if not curve.goes_on:
-        return ()
-    names = {node.id: node.name for node in state.curves}
-    for link in open_links(curve, state):
-        both = [node for node in state.curves if node.id in link.curves]
-        if all(node.goes_on for node in both) and any(_lacks(node, state) for node in both):
-            other = next(name for name in link.curves if name != curve.id)
-            return (MAY_GO_ON.format(names[other]),)
-    return ()
-
-
-def _lacks(curve: Curve, state: SymmetryState) -> bool:
-    """Return whether ink of a curve waits for more, so that it matters what goes on with it."""
-    trace = trace_if_any(curve, state)
-    return trace is not None and (trace.reading == "half" or trace.rest > 0.0)
-
-
-def _can_be_joined(curve: Curve) -> bool:
-    return curve.canvas is None and not curve.edits and len(curve.strokes) > 0
-
-
 def _may_go_on(curve: Curve) -> bool:
-    return _can_be_joined(curve) and curve.goes_on and curve.reading == "auto"
-
-
-def _open_curves(state: SymmetryState, curve: Curve) -> list[Curve]:
-    """Return the other curves of which all ink is in the view of a curve."""
-    camera = curve.strokes[0].camera
-    return [
-        node for node in state.shown_curves
-        if node.id != curve.id
-        and all(is_one_view(camera, stroke.camera) for stroke in node.strokes)
-    ]  # fmt: skip
+    return can_be_joined(curve) and curve.goes_on and curve.reading == "auto"
 
 
 def _is_one_sided(curve: Curve, state: SymmetryState) -> bool:
@@ -261,34 +207,6 @@ def _is_done(curve: Curve, state: SymmetryState) -> bool:
         and trace.rest == 0.0
         and trace.coverage >= WHOLE
     )
-
-
-def _lines(curve: Curve, state: SymmetryState) -> list[tuple[Side, tuple[int, ...]]]:
-    """Return the open sides of a curve, with the numbers of their strokes in it."""
-    try:
-        (view,) = views_of(curve, state, curve.reading)
-    except (UserError, ValueError):
-        return []
-    return [
-        (side, tuple(view.numbers[k] for k in side.strokes))
-        for side in view.sides
-        if not side.closed
-    ]
-
-
-def _links(curves: Sequence[Curve], state: SymmetryState) -> tuple[Link, ...]:
-    """Return where some curves may go on from one another."""
-    lines = [(curve, side, numbers) for curve in curves for side, numbers in _lines(curve, state)]
-    found = []
-    for (one, side, numbers), (other, that, others) in combinations(lines, 2):
-        if one.id == other.id:
-            continue
-        first, second = one.strokes[0].camera, other.strokes[0].camera
-        pixels = that.pixels if first == second else carried_places(that.pixels, second, first)
-        how = continuation(side.pixels, pixels, max(side.noise, that.noise))
-        if how is not None:
-            found.append(Link((one.id, other.id), (numbers[-1], others[-1]), how))
-    return tuple(found)
 
 
 def _chains(name: str, links: Sequence[Link]) -> Iterator[tuple[str, ...]]:
@@ -327,7 +245,9 @@ def _chain(
     )  # fmt: skip
     if other and not shares_lines(known[chain[0]], tuple(known[other[0]].strokes), state):
         return None
-    begins, strokes, pieces = {}, [], []
+    begins: dict[str, int] = {}
+    strokes: list[Stroke] = []
+    pieces: list[tuple[int, int]] = []
     for name in members:
         begins[name] = len(strokes)
         shift = len(strokes)

@@ -8,12 +8,11 @@ from typing import Final
 import numpy as np
 
 from bozzetto.arrays import Array
-from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, distances_to_polyline, is_one_view, on_canvas, resample
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.solve.curve_solver import Trace, View, trace_of
+from bozzetto_symmetry.solve.curve_solver import Trace, View, trace_if_any
 from bozzetto_symmetry.stereo.epipolar_signal import Signal
 from bozzetto_symmetry.stereo.mirror_camera import Stereo
 
@@ -53,14 +52,6 @@ def waiting_view(state: SymmetryState) -> Camera | None:
     if state.chosen is None or trace is None or trace.reading != "half":
         return None
     return state.chosen.strokes[-1].camera
-
-
-def trace_if_any(curve: Curve, state: SymmetryState) -> Trace | None:
-    """Return the curve in space of a recipe; None where its strokes cannot be read."""
-    try:
-        return trace_of(curve, state)
-    except UserError:
-        return None
 
 
 def as_pair(

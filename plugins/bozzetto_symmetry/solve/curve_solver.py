@@ -145,6 +145,14 @@ def trace_of(curve: Curve, state: SymmetryState) -> Trace:
     return _traced(curve, state)
 
 
+def trace_if_any(curve: Curve, state: SymmetryState) -> Trace | None:
+    """Return the curve in space of a recipe; None where its strokes cannot be read."""
+    try:
+        return trace_of(curve, state)
+    except UserError:
+        return None
+
+
 def views_of(curve: Curve, state: SymmetryState, asked: AskedReading = "auto") -> tuple[View, ...]:
     """Return the strokes of a curve by their views, in the order of the first of each.
 

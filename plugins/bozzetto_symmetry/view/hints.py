@@ -9,9 +9,9 @@ from bozzetto.errors import UserError
 from bozzetto_symmetry.editing.end_snaps import settled_ends
 from bozzetto_symmetry.model.canvas import LaidInk
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.operations.joined_pieces import may_go_on
 from bozzetto_symmetry.operations.second_sides import waits
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.solve.pieces import may_go_on
 
 FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
 """The hint for an empty box, and where no curve is chosen."""

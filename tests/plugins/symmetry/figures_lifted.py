@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 from bozzetto.errors import UserError
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing
-from bozzetto_symmetry.operations.joined_pieces import may_go_on
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.solve.pieces import may_go_on
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry.lifted_drawings import Lifted, lifted
 from tests.plugins.symmetry.scenes import Array

@@ -15,9 +15,9 @@ from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.ink.continuation import continuation
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes
-from bozzetto_symmetry.operations.joined_pieces import may_go_on, open_links
 from bozzetto_symmetry.report import cautions_of
 from bozzetto_symmetry.solve.curve_solver import trace_of
+from bozzetto_symmetry.solve.pieces import may_go_on, open_links
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from bozzetto_symmetry.tools.erase import erase
 from tests.plugins.symmetry import meant_drawings as m
