@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from bozzetto.ink import Stroke
+from bozzetto.ink import Stroke, resample
 from bozzetto.view import Camera
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import meant_drawings as m
@@ -34,16 +34,16 @@ def _through(*places: tuple[float, float, float]) -> Array:
     """A rounded line through places, (300, 3) mm, without overshoot."""
     points = np.array(places)
     along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
-    return s.resample(PchipInterpolator(along, points)(np.linspace(0, along[-1], 600)), count=300)
+    return resample(PchipInterpolator(along, points)(np.linspace(0, along[-1], 600)), count=300)
 
 
 def _straight(*places: tuple[float, float, float]) -> Array:
     """A line with corners at its places, (300, 3) mm."""
-    return s.resample(np.array(places), count=300)
+    return resample(np.array(places), count=300)
 
 
 def _whole(half: Array) -> Array:
-    return s.resample(np.vstack(((half * MIRROR)[:0:-1], half)), count=300)
+    return resample(np.vstack(((half * MIRROR)[:0:-1], half)), count=300)
 
 
 _S: Final = np.linspace(0.0, 1.0, 300)
@@ -169,7 +169,7 @@ def _pieces(
 ) -> list[Stroke]:
     """A line drawn in pieces, one after the other, by a hand that misses where it was lifted."""
     pixels = view.project(curve)[0]
-    pixels = s.resample(pixels, count=600)
+    pixels = resample(pixels, count=600)
     pixels = pixels if random.random() < 0.5 else pixels[::-1]
     step = float(np.linalg.norm(np.diff(pixels, axis=0), axis=1).mean())
     cuts = (np.arange(1, count) + random.uniform(-0.22, 0.22, count - 1)) / count
