@@ -10,6 +10,7 @@ from bozzetto.errors import UserError
 from bozzetto.plugin import Command, Context
 from bozzetto_symmetry.model.state import AskedReading, Curve, SymmetryState
 from bozzetto_symmetry.operations.curve_ends import with_nearest_joined
+from bozzetto_symmetry.operations.joined_pieces import joined_as_asked, parted, with_joined
 from bozzetto_symmetry.operations.snap_candidates import with_ends_caught
 from bozzetto_symmetry.operations.trim_or_extend import with_ends_met
 from bozzetto_symmetry.solve.curve_solver import trace_of, views_of
@@ -91,22 +92,41 @@ def _switched(state: SymmetryState, context: Context) -> SymmetryState:
         free = replace(curve, canvas=None, end_snaps=())
         trace_of(free, state)
         return state.with_node(free)
+    if curve.goes_on and curve.reading == "auto" and not curve.pieces:
+        joined = joined_as_asked(curve, state)
+        if joined is not None:
+            return with_joined(state, joined)
     reading = trace_of(curve, state).reading
     ways = _by_likelihood(curve, state)
     now = ways.index(reading)
     for step in range(1, len(ways)):
-        tried = replace(curve, reading=ways[(now + step) % len(ways)], other=False)
+        at = (now + step) % len(ways)
+        otherwise = _taken_apart_or_joined(curve, state) if at == 0 else None
+        if otherwise is not None:
+            return otherwise
+        tried = replace(curve, reading=ways[at], other=False)
         try:
             trace_of(tried, state)
         except UserError:
             continue
         return state.with_node(tried)
+    otherwise = _taken_apart_or_joined(curve, state)
+    if otherwise is not None:
+        return otherwise
     raise UserError("These strokes can be read in no other way. Draw the other side, too.")
+
+
+def _taken_apart_or_joined(curve: Curve, state: SymmetryState) -> SymmetryState | None:
+    """Return the state with the chosen curve's newest piece apart, or with one joined again."""
+    if curve.pieces:
+        return parted(state)
+    joined = None if curve.goes_on else joined_as_asked(curve, state)
+    return None if joined is None else with_joined(state, joined)
 
 
 def _by_likelihood(curve: Curve, state: SymmetryState) -> list[AskedReading]:
     """Return all readings, the likeliest first: what is meant is then the next one, if not this."""
-    found = views_of(curve.strokes, state)[0].reader.read("auto", state.bounds)
+    found = views_of(curve, state)[0].reader.read("auto", state.bounds)
     ranked = dict.fromkeys(read.reading for read in found)
     return list(dict.fromkeys((*ranked, *READINGS)))
 

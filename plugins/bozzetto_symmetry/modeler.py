@@ -29,7 +29,8 @@ from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.export import shapes_of
 from bozzetto_symmetry.model.facts import box_about, box_around, box_facts, readings_of
 from bozzetto_symmetry.model.state import Curve, Line, SymmetryState
-from bozzetto_symmetry.operations.assign_stroke import add_drawing, waiting_view
+from bozzetto_symmetry.operations.assign_stroke import add_drawing
+from bozzetto_symmetry.operations.second_sides import waiting_view
 from bozzetto_symmetry.operations.settling import with_settled
 from bozzetto_symmetry.report import FIGURES, cautions_of, report_of
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of

@@ -9,6 +9,7 @@ from bozzetto.plugin import Caution, Figure, Job
 from bozzetto_symmetry.editing.end_snaps import settled_ends
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import MOST_MARGIN, Trace
+from bozzetto_symmetry.solve.pieces import may_go_on
 
 FIGURES: Final[Mapping[str, Figure]] = {
     "reading": Figure(
@@ -93,7 +94,9 @@ def cautions_of(
     cautions = []
     for curve in state.curves:
         trace = traces.get(curve.id)
-        warnings = (problems.get(curve.id, ""),) if trace is None else trace.warnings
+        warnings: tuple[str, ...] = (problems.get(curve.id, ""),)
+        if trace is not None:
+            warnings = (*trace.warnings, *may_go_on(curve, state))
         cautions += [Caution(f"“{curve.name}”: {text}") for text in warnings if text]
     return tuple(cautions)
 
@@ -111,7 +114,7 @@ def _entry(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
         "reading": trace.reading,
         "margin": trace.margin,
         "rms": trace.rms,
-        "warnings": list(trace.warnings),
+        "warnings": [*trace.warnings, *may_go_on(curve, state)],
     }
     if trace.curve is None:
         return entry

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -70,7 +70,9 @@ class Side:
         return np.vstack((self.pixels, self.pixels[:1])) if self.closed else self.pixels
 
 
-def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, ...]:
+def sides_of(
+    strokes: Sequence[Stroke], *, apart: bool = False, pieces: Iterable[tuple[int, int]] = ()
+) -> tuple[Side, ...]:
     """Put the strokes of one view in sides, and merge the strokes of each.
 
     A side may be scribbled over with many strokes in any sense, drawn in consecutive pieces,
@@ -84,6 +86,8 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
         Of one camera, in the order drawn. Dots are left out.
     apart : bool
         Two sides are kept apart that would otherwise surely be one.
+    pieces : iterable of (int, int)
+        Numbers of two strokes of which one goes on where the other ended.
 
     Returns
     -------
@@ -104,7 +108,9 @@ def sides_of(strokes: Sequence[Stroke], *, apart: bool = False) -> tuple[Side, .
             "some back, and press Enter after each curve."
         )
     # A closed line is compared with its gap, as the pen went.
-    groups = group_strokes([_line(strokes[k]).pixels for k in numbers], apart=apart)
+    index = {number: k for k, number in enumerate(numbers)}
+    known = [(index[i], index[j]) for i, j in pieces if i in index and j in index]
+    groups = group_strokes([_line(strokes[k]).pixels for k in numbers], apart=apart, pieces=known)
     sides = []
     for group in groups:
         members = tuple(numbers[k] for k in group)

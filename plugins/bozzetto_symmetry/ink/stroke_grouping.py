@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
@@ -103,7 +103,9 @@ class _Trail:
         return self.places[at], way / max(float(np.linalg.norm(way)), 1e-300)
 
 
-def group_strokes(lines: Sequence[Array], *, apart: bool = False) -> list[list[int]]:
+def group_strokes(
+    lines: Sequence[Array], *, apart: bool = False, pieces: Iterable[tuple[int, int]] = ()
+) -> list[list[int]]:
     """Put strokes in one or two groups, the one of the first stroke first.
 
     Strokes that run alongside one another over a good part of the shorter one, or continue
@@ -120,6 +122,8 @@ def group_strokes(lines: Sequence[Array], *, apart: bool = False) -> list[list[i
         Each stroke smoothed, px.
     apart : bool
         Two groups are wanted.
+    pieces : iterable of (int, int)
+        Numbers of two strokes that are known to be pieces of one line.
     """
     count = len(lines)
     if count == 1:
@@ -129,6 +133,11 @@ def group_strokes(lines: Sequence[Array], *, apart: bool = False) -> list[list[i
     least = 1 if not apart else 2
     sizes = [length_of(line) for line in lines]
     links = _Links(bonds, sizes)
+    for piece in pieces:
+        one, other = sorted(next(k for k in groups if number in groups[k]) for number in piece)
+        if one != other:
+            groups[one] |= groups.pop(other)
+            links.unite(one, other)
     while len(groups) > least:
         first, second, bond = links.nearest()
         last_two = len(groups) == 2

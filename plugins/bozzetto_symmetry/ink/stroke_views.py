@@ -7,14 +7,15 @@ from collections.abc import Iterable
 from bozzetto.ink import Stroke, is_one_view, on_canvas
 
 
-def by_view(strokes: Iterable[Stroke]) -> tuple[tuple[Stroke, ...], ...]:
-    """Return the strokes of each view, on the canvas of the first of them, in the order drawn."""
-    views: list[list[Stroke]] = []
-    for stroke in strokes:
+def by_view(strokes: Iterable[Stroke]) -> tuple[dict[int, Stroke], ...]:
+    """Return the strokes of each view by their numbers, on the canvas of the first of them."""
+    views: list[dict[int, Stroke]] = []
+    for number, stroke in enumerate(strokes):
         for drawn in views:
-            if is_one_view(stroke.camera, drawn[0].camera):
-                drawn.append(on_canvas(stroke, drawn[0].camera))
+            canvas = next(iter(drawn.values())).camera
+            if is_one_view(stroke.camera, canvas):
+                drawn[number] = on_canvas(stroke, canvas)
                 break
         else:
-            views.append([stroke])
-    return tuple(tuple(drawn) for drawn in views)
+            views.append({number: stroke})
+    return tuple(views)

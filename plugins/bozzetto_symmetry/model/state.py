@@ -6,9 +6,10 @@ better code can solve it again.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 
@@ -133,6 +134,8 @@ class Curve(Part):
         Raw ink, each stroke with its camera, in the order drawn.
     edits : tuple of Edit
         What was done to the curve since, in order.
+    pieces : tuple of (int, int)
+        Numbers of two strokes of which one goes on where the other ended: the pen was lifted there.
     canvas : DrawingPlane or LaidInk, optional
         What it was drawn on; default in the air, from both sides.
     end_snaps : tuple of EndSnap
@@ -143,6 +146,7 @@ class Curve(Part):
 
     strokes: Strokes = Strokes()
     edits: tuple[Edit, ...] = ()
+    pieces: tuple[tuple[int, int], ...] = ()
     canvas: Canvas | None = None
     end_snaps: tuple[EndSnap, ...] = ()
     axis: Literal[-1, 0, 1, 2] = -1
@@ -167,6 +171,13 @@ class Curve(Part):
             help="Match the two sides in the second-best way.",
         ),
     ] = False
+    goes_on: Annotated[
+        bool,
+        Parameter(
+            "Goes on",
+            help="Take it for a piece of a line where it begins or ends at an end of another one.",
+        ),
+    ] = True
     settles: Annotated[
         bool,
         Parameter(
@@ -184,6 +195,13 @@ class Curve(Part):
         ),
     ] = "adaptive"
     color: Annotated[Color | None, Parameter("Colour", help="Colour of this curve.")] = None
+
+    def with_only(self, kept: Sequence[int]) -> Self:
+        """Return the curve with some of its strokes, by their numbers; pieces follow them."""
+        place = {number: k for k, number in enumerate(kept)}
+        pieces = tuple((place[i], place[j]) for i, j in self.pieces if i in place and j in place)
+        strokes = Strokes(self.strokes[number] for number in kept)
+        return replace(self, strokes=strokes, pieces=pieces)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ spline is fitted to the ink of all views; then the edits of the curve are replay
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
@@ -52,11 +52,12 @@ MOST_MARGIN: Final = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """The ink of one curve in one view."""
+    """The ink of one curve in one view; `numbers` are those of its strokes in the curve."""
 
     stereo: Stereo
     strokes: tuple[Stroke, ...]
     sides: tuple[Side, ...]
+    numbers: tuple[int, ...]
 
     @cached_property
     def reader(self) -> Reader:
@@ -91,6 +92,8 @@ class Trace:
     warnings : tuple of str
     rest : float
         Share of a side that waits, because only a part of the other side was drawn.
+    coverage : float
+        Share of the ink of the main view that has a partner, as `Read.coverage`.
     planes : int
         How many planes hold a curve across the centre plane: one if it was taken to be flat, two
         if straight.
@@ -108,6 +111,7 @@ class Trace:
     views: tuple[View, ...] = ()
     warnings: tuple[str, ...] = ()
     rest: float = 0.0
+    coverage: float = 0.0
     planes: int = 0
 
 
@@ -141,29 +145,47 @@ def trace_of(curve: Curve, state: SymmetryState) -> Trace:
     return _traced(curve, state)
 
 
-def views_of(
-    strokes: Iterable[Stroke], state: SymmetryState, asked: AskedReading = "auto"
-) -> tuple[View, ...]:
-    """Return strokes by the view that they were drawn in, in the order of the first of each.
+def trace_if_any(curve: Curve, state: SymmetryState) -> Trace | None:
+    """Return the curve in space of a recipe; None where its strokes cannot be read."""
+    try:
+        return trace_of(curve, state)
+    except UserError:
+        return None
+
+
+def views_of(curve: Curve, state: SymmetryState, asked: AskedReading = "auto") -> tuple[View, ...]:
+    """Return the strokes of a curve by their views, in the order of the first of each.
 
     Parameters
     ----------
-    strokes : iterable of Stroke
-        All strokes of one curve.
+    curve : Curve
+        For its strokes, and which of them are pieces of one line.
     state : SymmetryState
         For its plane.
     asked : str
         The reading that the curve is asked to have; a pair has two sides, all others one.
     """
-    return _views(tuple(strokes), state.plane, asked == "pair")
+    return _views(tuple(curve.strokes), curve.pieces, state.plane, asked == "pair")
 
 
 @remembered(limit=256)
-def _views(drawn: tuple[Stroke, ...], plane: CentrePlane, apart: bool) -> tuple[View, ...]:
-    return tuple(
-        View(Stereo.of(seen[0].camera, plane), seen, sides_of(seen, apart=apart))
-        for seen in by_view(drawn)
-    )
+def _views(
+    drawn: tuple[Stroke, ...], pieces: tuple[tuple[int, int], ...], plane: CentrePlane, apart: bool
+) -> tuple[View, ...]:
+    return tuple(_view(seen, pieces, plane, apart) for seen in by_view(drawn))
+
+
+def _view(
+    seen: Mapping[int, Stroke],
+    pieces: tuple[tuple[int, int], ...],
+    plane: CentrePlane,
+    apart: bool,
+) -> View:
+    numbers, strokes = tuple(seen), tuple(seen.values())
+    place = {number: k for k, number in enumerate(numbers)}
+    here = [(place[i], place[j]) for i, j in pieces if i in place and j in place]
+    sides = sides_of(strokes, apart=apart, pieces=here)
+    return View(Stereo.of(strokes[0].camera, plane), strokes, sides, numbers)
 
 
 def _traced(curve: Curve, state: SymmetryState) -> Trace:
@@ -201,7 +223,7 @@ def _as_drawn(curve: Curve, state: SymmetryState) -> Trace:
 
 def _on_canvas(curve: Curve, canvas: Canvas, state: SymmetryState) -> Trace:
     """Return the curve on a plane or a surface that one side of ink says all of."""
-    views = views_of(curve.strokes, state)
+    views = views_of(curve, state)
     stereo = views[0].stereo
     if isinstance(canvas, LaidInk):
         fit = fitted_on_surface(stereo, canvas, state.plane)
@@ -222,7 +244,7 @@ def solve_curve(curve: Curve, state: SymmetryState) -> SpaceCurve | None:
 
 
 def _read(curve: Curve, state: SymmetryState) -> Trace:
-    views = views_of(curve.strokes, state, curve.reading)
+    views = views_of(curve, state, curve.reading)
     box = state.bounds
     readings = [_readings(view, curve.reading, box, len(views)) for view in views]
     across = _across_views(views, readings, curve.reading, box)
@@ -255,7 +277,8 @@ def _read(curve: Curve, state: SymmetryState) -> Trace:
         margin=float(min(margin, MOST_MARGIN)), cost=first.cost, rms=fit.rms,
         ghost=_ghost(views[main], first, rest, margin, curve.detail),
         choices=1 + len(rest), views=views, warnings=notices(first, rest, fit.off_ink, sure),
-        rest=first.rest, planes=0 if fit.form is None else len(fit.form.planes),
+        rest=first.rest, coverage=first.coverage,
+        planes=0 if fit.form is None else len(fit.form.planes),
     )  # fmt: skip
 
 

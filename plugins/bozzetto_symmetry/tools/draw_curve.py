@@ -16,9 +16,10 @@ from bozzetto.scene import Layer, Lines, Scene
 from bozzetto.view import Camera
 from bozzetto_symmetry.ink.polyline import length_of
 from bozzetto_symmetry.model.state import SymmetryState
-from bozzetto_symmetry.operations.assign_stroke import add_strokes, waits
+from bozzetto_symmetry.operations.assign_stroke import add_strokes
 from bozzetto_symmetry.operations.canvas_ink import add_in_plane, add_on_surface
 from bozzetto_symmetry.operations.drawn_snaps import known_places, with_drawn_snaps
+from bozzetto_symmetry.operations.second_sides import waits
 from bozzetto_symmetry.operations.snap_targets import Targets, without_own
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR

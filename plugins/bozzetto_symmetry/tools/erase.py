@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -12,7 +11,6 @@ from bozzetto.arrays import Flags
 from bozzetto.errors import UserError
 from bozzetto.ink import (
     Stroke,
-    Strokes,
     distances_to_polyline,
     is_one_view,
     on_canvas,
@@ -125,14 +123,10 @@ def _stretch(side: Seen, flags: Flags) -> Stretch:
 
 def _without_strokes(state: SymmetryState, node: Curve, eraser: Stroke) -> SymmetryState:
     """Return a state without a curve's strokes of this view that are mostly rubbed over."""
-    kept = [stroke for stroke in node.strokes if not _is_rubbed(stroke, eraser)]
+    kept = [k for k, stroke in enumerate(node.strokes) if not _is_rubbed(stroke, eraser)]
     if len(kept) == len(node.strokes):
         return state
-    return (
-        state.with_node(replace(node, strokes=Strokes(kept)))
-        if kept
-        else state.without_nodes(node.id)
-    )
+    return state.with_node(node.with_only(kept)) if kept else state.without_nodes(node.id)
 
 
 def _is_rubbed(stroke: Stroke, eraser: Stroke) -> bool:

@@ -9,8 +9,9 @@ from bozzetto.errors import UserError
 from bozzetto_symmetry.editing.end_snaps import settled_ends
 from bozzetto_symmetry.model.canvas import LaidInk
 from bozzetto_symmetry.model.state import Curve, SymmetryState
-from bozzetto_symmetry.operations.assign_stroke import waits
+from bozzetto_symmetry.operations.second_sides import waits
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
+from bozzetto_symmetry.solve.pieces import may_go_on
 
 FIRST: Final = "Draw one side of a curve, then its mirror image; or one stroke across the plane."
 """The hint for an empty box, and where no curve is chosen."""
@@ -69,7 +70,8 @@ def next_step(state: SymmetryState) -> str:
         return problem.message
     ends = 0 if trace.curve is None else settled_ends(trace.curve, chosen, state)
     told = () if ends == 0 else (SETTLED[ends],)
-    return " ".join((*trace.warnings, *told, *_expected(chosen, trace)))
+    goes_on = may_go_on(chosen, state)
+    return " ".join((*trace.warnings, *told, *goes_on, *_expected(chosen, trace)))
 
 
 def _expected(curve: Curve, trace: Trace) -> Iterator[str]:

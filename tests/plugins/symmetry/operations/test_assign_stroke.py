@@ -14,7 +14,8 @@ from bozzetto.plugin import Job
 from bozzetto.view import Camera
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.modeler import Symmetry
-from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes, shares_lines
+from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes
+from bozzetto_symmetry.operations.second_sides import shares_lines
 from bozzetto_symmetry.solve.curve_solver import trace_of
 from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 from tests.plugins.symmetry import meant_drawings as m
