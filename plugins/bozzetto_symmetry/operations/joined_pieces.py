@@ -9,8 +9,9 @@ for one; of one that may go on round a corner the person is told.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice, product
 from typing import Final
 
 import numpy as np
@@ -33,6 +34,7 @@ from bozzetto_symmetry.solve.pieces import (
     open_links,
     others_in_view,
 )
+from bozzetto_symmetry.stereo.mirror_camera import MIRROR
 
 WHOLE: Final = 0.9
 """Share of the ink that has its partner in a reading that takes it whole."""
@@ -48,8 +50,18 @@ few different curves fold so well by chance."""
 MORE: Final = 1.0
 """How much more, px, a reading may cost for each piece that it takes in and others do not."""
 
+CORNER: Final = 45.0
+"""Bend in space, degrees, from which on two curves that are known are two edges of a frame."""
+
+END: Final = 8
+"""Part of its curve over which the direction of an end is taken: one of so many."""
+
 MOST: Final = 5
 """Most curves that are looked at as pieces of one line."""
+
+MOST_READ: Final = 24
+"""Most ways to put curves together that are read: each takes some hundredths of a second, and where
+twenty lines meet in one point there are hundreds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +108,8 @@ class Joined:
 def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) -> Joined | None:
     """Return what a new curve is a piece of, if it is one.
 
-    A curve that is whole already is taken on only where the new one smoothly goes on from it:
-    what begins at its end at a corner is another curve.
+    A curve that is whole already is taken on only where all ink together is whole as well: what
+    begins at its end is another curve, however smoothly it goes on.
 
     Parameters
     ----------
@@ -124,26 +136,31 @@ def joined_with_new(state: SymmetryState, new: Curve, cost: float, whole: bool) 
         for link in links_between(list(known.values()), state)
         if link.how.sure or waiting.issuperset(link.curves)
     ]
+    at_new = any(new.id in link.curves and done.intersection(link.curves) for link in links)
+    ready = done | {new.id} if at_new and _is_done(new, state) else done
+    links = [
+        link
+        for link in links
+        if not (ready.issuperset(link.curves) and _is_corner(link, known, state))
+    ]
     if not links or (whole and not any(new.id in link.curves for link in links)):
         return None
-    here = [_chain(known, links, chain, (), state) for chain in _chains(new.id, links)]
-    pieces = [each for each in here if each is not None]
-    beside = [
-        _chain(known, links, chain, other, state)
-        for chain in ((new.id,), *_chains(new.id, links))
-        for name in known
-        if name not in chain and _is_one_sided(known[name], state)
-        for other in ((name,), *_chains(name, links))
-        if (len(chain) > 1 or len(other) > 1) and not set(chain) & set(other)
-    ]
-    fits = [each for each in (*pieces, *beside) if each is not None and each.is_whole(state)]
+    ways = islice(_ways(known, links, new.id, state), MOST_READ)
+    read = [(_chain(known, links, chain, other, state), other) for chain, other in ways]
+    made = [each for each, _ in read if each is not None]
+    pieces = [each for each, other in read if each is not None and not other]
+    fits = [each for each in made if each.is_whole(state)]
     if fits:
         best = min(fits, key=lambda each: each.read.cost - MORE * len(each.members))
         if not whole or best.read.cost - MORE * (len(best.members) - 2) < cost:
             return best
     if np.isfinite(cost):
         return None
-    sure = [each for each in pieces if each.sure and _is_better(each, known, state)]
+    sure = [
+        each
+        for each in pieces
+        if each.sure and not done.intersection(each.members) and _is_better(each, known, state)
+    ]
     return max(sure, key=lambda each: len(each.members), default=None)
 
 
@@ -209,6 +226,48 @@ def _is_done(curve: Curve, state: SymmetryState) -> bool:
     )
 
 
+def _ways(
+    known: dict[str, Curve], links: Sequence[Link], new: str, state: SymmetryState
+) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """Yield what may be one curve with a new one: pieces of one side, and of the other if any.
+
+    Those of one side come first, and of the others the newest: a hand draws both sides in turn.
+    """
+    own = tuple(_chains(new, links))
+    yield from ((chain, ()) for chain in own)
+    one_sided = [name for name in reversed(known) if _is_one_sided(known[name], state)]
+    beside = (
+        (chain, other)
+        for chain in ((new,), *own)
+        for name in one_sided
+        if name not in chain
+        for other in ((name,), *_chains(name, links))
+        if (len(chain) > 1 or len(other) > 1) and not set(chain) & set(other)
+    )
+    for chain, other in dict.fromkeys(beside):
+        if shares_lines(known[chain[0]], tuple(known[other[0]].strokes), state):
+            yield chain, other
+
+
+def _is_corner(link: Link, known: Mapping[str, Curve], state: SymmetryState) -> bool:
+    """Return whether two curves that are known in space meet at a corner there.
+
+    Two edges of a frame may look like one line.
+    """
+    ends = []
+    for name in link.curves:
+        trace = trace_if_any(known[name], state)
+        if trace is None or len(trace.points) < 3:
+            return False
+        at = max(2, len(trace.points) // END)
+        right = [trace.points[[0, at]], trace.points[[-1, -1 - at]]]
+        ends.append(right + [end * MIRROR for end in right])
+    one, other = min(product(*ends), key=lambda both: np.linalg.norm(both[0][0] - both[1][0]))
+    way, on = one[0] - one[1], other[1] - other[0]
+    size = float(np.linalg.norm(way) * np.linalg.norm(on))
+    return size > 0.0 and float(way @ on) < np.cos(np.radians(CORNER)) * size
+
+
 def _chains(name: str, links: Sequence[Link]) -> Iterator[tuple[str, ...]]:
     """Yield curves that may be pieces of one line with a curve: all, the sure ones, each alone."""
     sure = tuple(link for link in links if link.how.sure)
@@ -243,8 +302,6 @@ def _chain(
         link for link in links
         if set(link.curves) <= set(chain) or set(link.curves) <= set(other)
     )  # fmt: skip
-    if other and not shares_lines(known[chain[0]], tuple(known[other[0]].strokes), state):
-        return None
     begins: dict[str, int] = {}
     strokes: list[Stroke] = []
     pieces: list[tuple[int, int]] = []

@@ -222,11 +222,15 @@ def test_an_erased_piece_leaves_the_others_joined() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("noise", [0.0, 1.0])
-def test_frames_of_whole_strokes_are_as_they_were(seed: int, noise: float) -> None:
+@pytest.mark.parametrize("bars_first", [True, False])
+def test_frames_of_whole_strokes_are_as_they_were(
+    seed: int, noise: float, bars_first: bool
+) -> None:
     """Corners of a box hang together at their ends, and yet each edge is a curve."""
     across, along = m.frame(noise, np.random.default_rng(seed))
-    state = add_drawing(SymmetryState(), [x for edge in (*across, *along) for x in edge.strokes])
-    assert [len(curve.strokes) for curve in state.curves] == [1] * 4 + [2] * 4
+    edges = (*across, *along) if bars_first else (*along, *across)
+    state = add_drawing(SymmetryState(), [x for edge in edges for x in edge.strokes])
+    assert sorted(len(curve.strokes) for curve in state.curves) == [1] * 4 + [2] * 4
     assert all(not curve.pieces for curve in state.curves)
 
 
