@@ -40,6 +40,9 @@ WIDE: Final = 0.06
 ROUND: Final = 0.06
 """Largest radius of the arrow of a motor, in the extent of what it moves."""
 
+OUTSIDE: Final = 1.6
+"""Distance of what is written of a motor from its axis, in radii of its arrow."""
+
 THICK: Final = 7.0
 """Width of the bar that carries most, px."""
 
@@ -149,7 +152,10 @@ def _items(fitting: Fitting, ends: Array, side: Array, radius: float, chosen: bo
             )
         )
     if isinstance(fitting, Turning | Slider) and fitting.drive != "no":
-        x, y, z = (float(value) for value in points[-1])
+        # Of a motor outside its arc, on the side on which its bar is not.
+        is_motor = isinstance(fitting, Crank)
+        place = ends[0] - OUTSIDE * _arm(ends, radius) if is_motor else points[-1]
+        x, y, z = (float(value) for value in place)
         items.append(Label((x, y, z), _drive(fitting), color=color))
     return items
 
@@ -183,14 +189,19 @@ def _zigzag(ends: Array, normal: Array) -> Array:
 
 def _arc(ends: Array, normal: Array, radius: float) -> Array:
     """Return three quarters of a circle about the axis of a crank, with an arrow's head."""
-    along = ends[1] - ends[0]
-    along = along * min(0.35, radius / max(float(np.linalg.norm(along)), 1e-300))
+    along = _arm(ends, radius)
     aside = _across(along, normal) * np.linalg.norm(along)
     angles = np.radians(np.linspace(20.0, 290.0, 40))[:, None]
     ring = ends[0] + np.cos(angles) * along + np.sin(angles) * aside
     back = np.radians(265.0)
     head = [ends[0] + size * (np.cos(back) * along + np.sin(back) * aside) for size in (1.2, 0.8)]
     return np.concatenate((ring, head[:1], ring[-1:], head[1:], ring[-1:]))
+
+
+def _arm(ends: Array, radius: float) -> Array:
+    """Return the way from the axis of a crank to the circle about it, along the crank, (3,)."""
+    along = ends[1] - ends[0]
+    return np.asarray(along * min(0.35, radius / max(float(np.linalg.norm(along)), 1e-300)))
 
 
 def _across(along: Array, normal: Array) -> Array:

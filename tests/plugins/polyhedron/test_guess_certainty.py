@@ -67,8 +67,7 @@ def test_what_was_guessed_is_told_and_in_doubt_it_is_asked(certainty: float, wor
 def test_edges_that_a_person_changed_are_no_guess_any_more() -> None:
     state = completed_state(0.25)
     (body,) = state.of_kind(Body)
-    drawn_over = replace(body, strokes=Strokes((*tuple(body.strokes)[:-1], body.strokes[0])))
-    changed = state.with_node(replace(drawn_over, strokes=Strokes(tuple(body.strokes)[::-1])))
+    changed = state.with_node(replace(body, strokes=Strokes(tuple(body.strokes)[::-1])))
     assert confidence_of(changed) > 2.0 * confidence_of(state)
 
 
