@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 from bozzetto.errors import UserError
 from bozzetto.geometry import Curve, Shapes
@@ -14,6 +14,7 @@ from bozzetto.plugin import (
     Command,
     Context,
     Job,
+    NextStep,
     PartsModeler,
     Tool,
     ViewAdvice,
@@ -42,9 +43,15 @@ from bozzetto_polyhedron.report import FIGURES, cautions_of, report_of
 from bozzetto_polyhedron.solve.followed import Sources, bodies_of
 from bozzetto_polyhedron.solve.pipeline import Solved, solved
 from bozzetto_polyhedron.solve.recording import at_time, recorded_times, recorded_until
+from bozzetto_polyhedron.tools.draw_lines import DrawLines
 from bozzetto_polyhedron.tools.listing import all_tools
+from bozzetto_polyhedron.tools.pieces import FreePiece
+from bozzetto_polyhedron.tools.turn_solid import DRAW_FIRST
 from bozzetto_polyhedron.view.drawn_views import advice_before, advice_on_drawings
 from bozzetto_polyhedron.view.scene import scene_of
+
+BEGINNING: Final = (DrawLines.id, FreePiece.id)
+"""Tools that need no drawing: by the second one pieces of other objects come to a mechanism."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +86,13 @@ class PolyhedronModeler(PartsModeler[PolyhedronState, PolyhedronResult]):
     def commands(self) -> Sequence[Command]:
         """Return the commands on the chosen body."""
         return all_commands()
+
+    @override
+    def next_step(self, state: PolyhedronState, tool: Tool[PolyhedronState]) -> NextStep:
+        """Return what the tool says; of an empty sheet, that edges are to be drawn first."""
+        if not state.nodes and tool.id not in BEGINNING:
+            return DRAW_FIRST
+        return tool.next_step(state)
 
     @override
     def upgrade(self, state: dict[str, Any], version: int) -> dict[str, Any]:

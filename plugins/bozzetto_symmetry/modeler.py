@@ -36,7 +36,7 @@ from bozzetto_symmetry.report import FIGURES, cautions_of, report_of
 from bozzetto_symmetry.solve.curve_solver import Trace, trace_of
 from bozzetto_symmetry.tools import all_tools
 from bozzetto_symmetry.tools.draw_curve import DrawCurve
-from bozzetto_symmetry.view.hints import next_step
+from bozzetto_symmetry.view.hints import FIRST, next_step
 from bozzetto_symmetry.view.scene import scene_of
 from bozzetto_symmetry.view.vanishing_lines import seen_from
 from bozzetto_symmetry.view.view_advice import advice, directions, first_advice
@@ -164,7 +164,9 @@ class Symmetry(PartsModeler[SymmetryState, SymmetryResult]):
 
     @override
     def next_step(self, state: SymmetryState, tool: Tool[SymmetryState]) -> NextStep:
-        """Return what the tool says; of a side that waits for the other, that it is to be drawn."""
+        """Return what the tool says; where a curve is missing or waits, that it is to be drawn."""
+        if tool.id in FOR_CURVES and not state.nodes:
+            return NextStep(FIRST, tool=DrawCurve.id)
         if tool.id in FOR_CURVES and waiting_view(state) is not None:
             return NextStep(next_step(state), tool=DrawCurve.id)
         return tool.next_step(state)

@@ -2,35 +2,69 @@
 
 The status line, the words over the sheet, the plugin's panel, the tool rail and the ring on the
 sheet all read `Hints.step`, so they cannot disagree. Ink that waits comes first, then what the
-modeler says of the selected model, then the hint of the tool; on an empty sheet that of the
-modeler.
+modeler says of the selected model, or of the one that the next gesture would begin, then the hint
+of the tool; on an empty sheet with the first tool in the hand, that of the modeler.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
-from bozzetto.document.model import Model
 from bozzetto.errors import UserError
 from bozzetto.plugin.next_step import NextStep
 from bozzetto_app.i18n import tr
 from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 
 if TYPE_CHECKING:
+    from bozzetto.document import Document
+    from bozzetto.document.model import Model
     from bozzetto.plugin.job import Job
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.session.document_model import DocumentModel
+    from bozzetto_app.session.gesture_context import GestureContext
     from bozzetto_app.session.notices import Notices
     from bozzetto_app.session.selection import Selection
     from bozzetto_app.session.toolbox import Toolbox
 
 __all__ = ["Hints"]
 
-Question = tuple[Model, str] | None
-"""The model that the next gesture changes, and the active tool; None for nothing to ask."""
+
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """What a modeler is asked.
+
+    Attributes
+    ----------
+    modeler, tool : str
+        Those in the hand.
+    model : Model, optional
+        The model that the next gesture changes; without one it begins a new one.
+    document : Document
+        Around it.
+    """
+
+    modeler: str
+    tool: str
+    model: Model | None
+    document: Document
+
+    def is_same(self, other: _Question | None) -> bool:
+        """Return whether another one is about the very same objects; states are not compared."""
+        if other is None or (self.modeler, self.tool) != (other.modeler, other.tool):
+            return False
+        one, two = self.model, other.model
+        if one is None or two is None:
+            return one is two and self.document is other.document
+        return one.state is two.state and one.placement == two.placement and one.id == two.id
+
+    def is_of_same_object(self, other: _Question | None) -> bool:
+        """Return whether an answer to the other one may stand until this one is answered."""
+        if other is None or self.model is None or other.model is None:
+            return False
+        return self.model.id == other.model.id
 
 
 class Hints(QObject):
@@ -57,6 +91,7 @@ class Hints(QObject):
         drawing: DocumentModel,
         selection: Selection,
         toolbox: Toolbox,
+        context: GestureContext,
         notices: Notices,
         parent: QObject | None = None,
     ) -> None:
@@ -64,8 +99,8 @@ class Hints(QObject):
         self.step = NextStep("")
         self.channel = Channel("hint", time_limit=LATE_AFTER, parent=self)
         self._workbench, self._drawing, self._selection = workbench, drawing, selection
-        self._toolbox, self._notices = toolbox, notices
-        self._asked: Question = None
+        self._toolbox, self._context, self._notices = toolbox, context, notices
+        self._asked: _Question | None = None
         self._answer: NextStep | None = None
         self._failed: set[str] = set()
         self._wish = ""
@@ -82,7 +117,7 @@ class Hints(QObject):
     def look(self) -> None:
         """Ask again if the model, its state or the tool differs."""
         question = self._question()
-        if not _same(question, self._asked):
+        if question is None or not question.is_same(self._asked):
             self._ask(question)
         self._show()
 
@@ -91,22 +126,26 @@ class Hints(QObject):
         self._wish = words
         self._show()
 
-    def _ask(self, question: Question) -> None:
+    def _ask(self, question: _Question | None) -> None:
         """Ask the modeler; its last answer stands meanwhile if it is about the same object."""
         before, self._asked = self._asked, question
         self.channel.cancel()
-        if question is None or before is None or question[0].id != before[0].id:
+        if question is None or not question.is_of_same_object(before):
             self._answer = None
         if question is None:
             return
-        bench, (model, tool) = self._workbench, question
+        bench, context = self._workbench, self._context.now()
 
         def work(job: Job) -> NextStep:
-            return bench.next_step(model, bench.tool(model.modeler, tool))
+            tool = bench.tool(question.modeler, question.tool)
+            if question.model is not None:
+                return bench.next_step(question.model, tool)
+            begun = bench.create(question.modeler, context)
+            return replace(bench.next_step(begun, tool), place=None)  # it is not on the sheet
 
         def done(step: NextStep) -> None:
-            if _same(question, self._asked):
-                self._answer = self._with_more(step, tool)
+            if question is self._asked:
+                self._answer = self._with_more(step, question)
                 self._show()
 
         def failed(problem: BaseException) -> None:
@@ -114,18 +153,22 @@ class Hints(QObject):
             if isinstance(problem, UserError):
                 done(NextStep(problem.message))
                 return
-            self._failed.add(model.modeler)
+            self._failed.add(question.modeler)
             self._answer = None
             self._notices.complain(problem)
             self.look()
 
         self.channel.submit(Request(work, done, failed))
 
-    def _question(self) -> Question:
-        model, tool = self._selection.target(self._toolbox.modeler), self._toolbox.active
-        if model is None or tool is None or model.modeler in self._failed:
+    def _question(self) -> _Question | None:
+        """Return what to ask; of an object that the first tool would begin its hint says enough."""
+        modeler, tool = self._toolbox.modeler, self._toolbox.active
+        if tool is None or modeler in self._failed:
             return None
-        return model, tool.id
+        model = self._selection.target(modeler)
+        if model is None and self._toolbox.has_first_tool:
+            return None
+        return _Question(modeler, tool.id, model, self._drawing.document)
 
     def _show(self) -> None:
         step = self._now()
@@ -145,14 +188,14 @@ class Hints(QObject):
         tool = toolbox.active
         if self._answer is not None:
             return self._answer
-        is_first = tool is None or tool.id == toolbox.tools[0].id
-        if tool is None or (is_first and not len(self._drawing.document)):
+        if tool is None or (toolbox.has_first_tool and not len(self._drawing.document)):
             return NextStep(self._workbench.registry.info(toolbox.modeler).hint)
         return NextStep(tool.hint)
 
-    def _with_more(self, step: NextStep, tool: str) -> NextStep:
-        """Return a step; a tool with nothing special to say leaves room for what can be done."""
-        if step.sentence != self._toolbox.hint_of(tool):
+    def _with_more(self, step: NextStep, question: _Question) -> NextStep:
+        """Return a step; of an object, a tool with nothing special to say leaves room for more."""
+        tool = question.tool
+        if question.model is None or step.sentence != self._toolbox.hint_of(tool):
             return step
         return replace(step, sentence=self._toolbox.hint_and_more(tool))
 
@@ -167,11 +210,3 @@ class Hints(QObject):
                     tr("Session", "The ink waits. Enter tries it again, Backspace takes it back.")
                 )
         return None
-
-
-def _same(one: Question, other: Question) -> bool:
-    """Return whether two questions are about the very same objects; states are not compared."""
-    if one is None or other is None:
-        return one is other
-    same_model = one[0].state is other[0].state and one[0].placement == other[0].placement
-    return same_model and one[0].id == other[0].id and one[1] == other[1]

@@ -110,7 +110,7 @@ class Session(QObject):
         self.commands = ModelerCommands(
             bench, drawing, selection, toolbox, context, edits, notices, self
         )
-        self.hints = Hints(bench, drawing, selection, toolbox, notices, self)
+        self.hints = Hints(bench, drawing, selection, toolbox, context, notices, self)
         self.shapes = ShapeInput(bench, drawing, parts, notices, self)
         self.readings = InkReadings(bench, drawing, selection, context, notices, self)
         tracing = Tracing(drawing, view, toolbox, notices, self)

@@ -84,6 +84,11 @@ class Toolbox(QObject):
         return next((tool for tool in self.tools if tool.id == self.tool), None)
 
     @property
+    def has_first_tool(self) -> bool:
+        """Whether the active tool is the first one, with which a new object is begun."""
+        return bool(self.tools) and self.tool == self.tools[0].id
+
+    @property
     def groups(self) -> tuple[ToolGroup, ...]:
         """The tools by the buttons of the rail."""
         return groups_of(self.tools)
@@ -215,7 +220,7 @@ class Toolbox(QObject):
 
     def take_first_tool(self) -> None:
         """Draw with the first tool of the active modeler."""
-        if self.tools and self.tool != self.tools[0].id:
+        if self.tools and not self.has_first_tool:
             self.take_tool(self.tools[0].id)
 
     def tool_for(self, gesture: Literal["ink", "tap", "drag"]) -> str:

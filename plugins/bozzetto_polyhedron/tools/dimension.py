@@ -19,6 +19,7 @@ from bozzetto_polyhedron.solve.picking import (
     round_line_at,
 )
 from bozzetto_polyhedron.tools.erase import ErasingTool
+from bozzetto_polyhedron.tools.turn_solid import DRAW_FIRST
 
 
 class DimensionTool(ErasingTool):
@@ -47,7 +48,7 @@ class DimensionTool(ErasingTool):
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint; where there is nothing to measure, that it is to be drawn."""
         if not state.of_kind(Body):
-            return NextStep("Draw every edge of a solid first.", tool="draw")
+            return DRAW_FIRST
         if (state.chosen_of(Measure) or state.chosen_of(RoundSize)) is not None:
             return NextStep("Type its size under “Parameters”, or touch another edge.")
         return NextStep(self.hint)

@@ -20,6 +20,9 @@ from bozzetto_polyhedron.tools.erase import ErasingTool
 LAID: Final = {"nets": "The net lies", "faces": "Every face lies flat"}
 """What is said of what files get, where that is not the solid."""
 
+DRAW_FIRST: Final = NextStep("Draw every edge of a solid first.", tool="draw")
+"""Where there is no drawing, of a tool that needs one."""
+
 
 class TurnSolid(ErasingTool):
     """Drawings become solids at a touch."""
@@ -51,7 +54,7 @@ class TurnSolid(ErasingTool):
     def next_step(self, state: PolyhedronState) -> NextStep:
         """Return the hint, or what came of the touch: what looks wrong first, and where."""
         if not state.of_kind(Body):
-            return NextStep("Draw every edge of a solid first.", tool="draw")
+            return DRAW_FIRST
         body = state.chosen_of(Body)
         if body is None or body.choice is None:
             return NextStep(self.hint)

@@ -42,7 +42,7 @@ class DrawDetail(ProductTool):
     def next_step(self, state: ProductState) -> NextStep:
         """Return the gesture, and where to choose what becomes of the area."""
         if not state.of_kind(Patch):
-            return NextStep(NO_SURFACE)
+            return NextStep(NO_SURFACE, tool="draw")
         if state.surfaces == "paper":
             return NextStep(UNCARVED)
         if state.chosen_of(Detail) is not None:

@@ -6,7 +6,7 @@ from bozzetto.plugin import Context, Gesture, Ink, override
 from bozzetto.scene import Layer, Scene
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.tools.product_tool import (
-    ProductTool,
+    CurveTool,
     curves_along,
     details_under,
     erased,
@@ -15,7 +15,7 @@ from bozzetto_product.tools.product_tool import (
 from bozzetto_product.view.scene import lines, polyline
 
 
-class Erase(ProductTool):
+class Erase(CurveTool):
     """Takes away the curves that a stroke runs along, or details, for pens without an eraser."""
 
     id = "erase"

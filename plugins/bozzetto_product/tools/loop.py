@@ -16,8 +16,10 @@ from bozzetto_product.network.net import Loop, Net
 from bozzetto_product.network.outlines import rim_edges
 from bozzetto_product.solve.found_patches import found_loops, switched
 from bozzetto_product.solve.solver import loops_of_patch, net_of_state
-from bozzetto_product.tools.product_tool import ProductTool, standing
+from bozzetto_product.tools.product_tool import ProductTool, has_curves, standing
 from bozzetto_product.view.scene import LOOP_TOOL, edge_lines
+
+NO_LOOP: Final = "Draw curves that enclose an area first: it gets a surface by itself."
 
 LIT: Final = 6.0
 """Width of the light on the loop that is meant, px."""
@@ -40,7 +42,9 @@ class SwitchLoop(ProductTool):
 
     @override
     def next_step(self, state: ProductState) -> NextStep:
-        """Return the gesture, and what the lit edges are."""
+        """Return the gesture, and what the lit edges are; where there is no curve, that first."""
+        if not has_curves(state):
+            return NextStep(NO_LOOP, tool="draw")
         if not state.of_kind(Patch):
             return NextStep(self.hint)
         return NextStep(f"{self.hint} Edges with a light have a surface on one side only.")

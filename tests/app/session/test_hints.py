@@ -111,3 +111,43 @@ def test_after_a_drag_of_a_handle_the_tool_in_the_hand_still_speaks(make_window,
     assert session.drawing.history.undo_label == "Arrange"
     assert session.toolbox.tool == "draw"
     assert "joint" in session.hints.step.sentence
+
+
+def test_before_anything_is_drawn_a_tool_that_needs_something_says_so(make_window, settle):
+    """Every tool, of every bundled modeler, says what it says of the object that it would begin."""
+    window = make_window()
+    session = window.session
+    pointed = {}
+    for info in session.toolbox.modelers:
+        session.toolbox.take_modeler(info.id)
+        settle(session)
+        for tool in session.toolbox.tools[1:]:
+            session.toolbox.take_tool(tool.id)
+            settle(session)
+            begun = session.workbench.create(info.id, session.gestures.context.now())
+            told = session.workbench.next_step(begun, session.workbench.tool(info.id, tool.id))
+            assert session.hints.step.sentence == told.sentence
+            assert session.hints.step.place is None
+            pointed[info.id, tool.id] = session.hints.step.tool
+    assert not session.drawing.document.models
+    for needy in ("silhouette cut", "symmetry join", "product fillet", "polyhedron hinge"):
+        modeler, tool = needy.split()
+        assert pointed[f"bozzetto.{modeler}", tool] == "draw"
+    assert not pointed["bozzetto.symmetry", "line"]
+
+
+def test_a_fault_before_anything_is_drawn_is_told_once(make_session, marks, settle, monkeypatch):
+    class Wipe(adviser.DrawMark):
+        id, title = "wipe", "Wipe"
+
+        def next_step(self, state):
+            raise ZeroDivisionError
+
+    monkeypatch.setattr(adviser.Marks, "tools", lambda modeler: (adviser.DrawMark(), Wipe()))
+    session = make_session(MODELER, extra=[marks.package])
+    settle(session)
+    for tool in ("wipe", "draw", "wipe"):
+        session.toolbox.take_tool(tool)
+        settle(session)
+    assert [notice.kind for notice in session.heard].count("fault") == 1
+    assert session.hints.step.sentence == Wipe.hint
