@@ -138,7 +138,7 @@ class ProductModeler(PartsModeler[ProductState, ProductResult]):
             If the file is empty, or makes no sense.
         """
         if context.facts.get("network") is not None:
-            return product_of_network(context.facts, context.drawings)
+            return product_of_network(context.facts, context.drawings, job)
         if not len(drawing.strokes):
             raise UserError("The drawing has no strokes and no network. Draw a curve first.")
         state = self.create(replace(context, scene=Scene()))

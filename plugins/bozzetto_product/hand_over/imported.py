@@ -12,6 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Curve as ShapeCurve
 from bozzetto.geometry import Shapes, Spline
 from bozzetto.ink import Drawing
+from bozzetto.plugin import Job
 from bozzetto_product.hand_over.detail_file import with_details
 from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.flattening import flattened
@@ -41,23 +42,29 @@ SAMPLES: Final = 16
 
 
 def product_of_network(
-    facts: Mapping[str, Any], drawings: Mapping[str, Drawing] | None = None
+    facts: Mapping[str, Any],
+    drawings: Mapping[str, Drawing] | None = None,
+    job: Job | None = None,
 ) -> ProductState:
     """Return the product of a file with the key “network”; see `network_of`.
 
-    `drawings` are those that its details name, by the names of their files.
+    `drawings` are those that its details name, by the names of their files. `job` can be cancelled
+    between curves, and between the steps after these.
 
     Raises
     ------
     UserError
         If the network makes no sense, or named curves make no loop.
     """
-    network = network_of(facts)
+    job = Job() if job is None else job
+    network = network_of(facts, job)
     state = network.state
+    job.checkpoint(1.0, "loops")
     if network.loops is None:
         state = with_patches_found(state, ROUGH)
     else:
         state = _with_named_loops(state, network)
+    job.checkpoint(1.0, "tangents")
     state = with_common_tangents(flattened(state, network.rounding), network.tolerance)
     if network.loops is None and not _has_flat_faces(state):
         state = with_patches_found(state)

@@ -19,6 +19,7 @@ from bozzetto.ink import (
     an_object,
     point_rows,
 )
+from bozzetto.plugin import Job
 from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.equal_curves import equal_curves
 from bozzetto_product.hand_over.names import piece_names
@@ -97,10 +98,17 @@ class Network:
     rounding: float = 0.0
 
 
-def network_of(facts: Mapping[str, Any]) -> Network:
+def network_of(facts: Mapping[str, Any], job: Job | None = None) -> Network:
     """Return the network that a file describes.
 
     A curve that is another one again is left out, and its name stands for the first one.
+
+    Parameters
+    ----------
+    facts : mapping of str to object
+        What the file says.
+    job : Job, optional
+        Can be cancelled between curves.
 
     Raises
     ------
@@ -125,10 +133,11 @@ def network_of(facts: Mapping[str, Any]) -> Network:
     exact, fine = (max(share * size, rounding) for share in (FIT, FINE))
     tolerance = max(exact, noise)
     alone = _ending_alone(list(rows.values()), max(ON_CURVE * size, tolerance))
-    splines = [
-        _spline(points, name, size, tolerance, 0.0 if noise > exact else fine, lone)
-        for (name, points), lone in zip(rows.items(), alone, strict=True)
-    ]
+    splines, job = [], Job() if job is None else job
+    for (name, points), lone in zip(rows.items(), alone, strict=True):
+        job.checkpoint(len(splines) / len(rows), name)
+        fitted = _spline(points, name, size, tolerance, 0.0 if noise > exact else fine, lone)
+        splines.append(fitted)
     names = list(rows)
     again = {names[k]: names[first] for k, first in equal_curves(splines, tolerance).items()}
     pieces = {

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bozzetto.errors import UserError
+from bozzetto.errors import Cancelled, UserError
 from bozzetto.exchange.formats import FORMATS, find
 from bozzetto.exchange.left_out import parts_left_out
 from bozzetto.geometry import Curve as ShapeCurve
@@ -417,3 +417,16 @@ def test_a_band_of_one_side_whose_border_is_filled_is_no_solid() -> None:
     assert len(told["patches"]) >= 3
     assert not told["closed"]
     assert told["open_edges"] or any("one side only" in warning for warning in told["warnings"])
+
+
+@pytest.mark.parametrize("after", [0, 5, len(BOX) - 1, len(BOX)])
+def test_reading_can_be_cancelled_at_every_curve_and_after_them(after: int) -> None:
+    asked = []
+
+    def is_cancelled() -> bool:
+        asked.append(None)
+        return len(asked) > after
+
+    with pytest.raises(Cancelled):
+        product_of_network(box(), job=Job(cancelled=is_cancelled))
+    assert len(asked) == after + 1
