@@ -75,11 +75,13 @@ def widened(
 
 
 def _from_marked(count: int, marked: Index) -> Index:
-    """Count the samples from each of a ring to the nearest marked one."""
+    """Count the samples from each of a ring to the nearest marked one; their numbers grow."""
     if not len(marked):
         return np.full(count, count)
-    away = np.abs(np.arange(count)[:, None] - marked)
-    nearest: Index = np.minimum(away, count - away).min(axis=1)
+    around = np.concatenate([marked[-1:] - count, marked, marked[:1] + count])
+    each = np.arange(count)
+    following = np.searchsorted(around, each)
+    nearest: Index = np.minimum(around[following] - each, each - around[following - 1])
     return nearest
 
 
