@@ -70,12 +70,12 @@ def report_of(
         px), ``"settled"`` (how many ends went to what they nearly meet) and ``"warnings"``; of a
         pair the mirror image's ``"mirrored_control_points"``.
     """
-    plane = state.plane
+    plane, goes_on = state.plane, may_go_on(state)
     entries = []
     for number, curve in enumerate(state.curves):
         job.checkpoint(number / len(state.curves), curve.name)
         entries.append(
-            _entry(curve, traces[curve.id], state)
+            _entry(curve, traces[curve.id], state, goes_on.get(curve.id, ""))
             if curve.id in traces
             else _nothing(curve) | {"warnings": [problems.get(curve.id, "")]}
         )
@@ -91,12 +91,12 @@ def cautions_of(
     state: SymmetryState, traces: Mapping[str, Trace], problems: Mapping[str, str]
 ) -> tuple[Caution, ...]:
     """Return cautions about curves that could not be read, wait for a side, or are not sure."""
-    cautions = []
+    cautions, goes_on = [], may_go_on(state)
     for curve in state.curves:
         trace = traces.get(curve.id)
         warnings: tuple[str, ...] = (problems.get(curve.id, ""),)
         if trace is not None:
-            warnings = (*trace.warnings, *may_go_on(curve, state))
+            warnings = (*trace.warnings, goes_on.get(curve.id, ""))
         cautions += [Caution(f"“{curve.name}”: {text}") for text in warnings if text]
     return tuple(cautions)
 
@@ -109,12 +109,12 @@ def _nothing(curve: Curve) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _entry(curve: Curve, trace: Trace, state: SymmetryState) -> dict[str, Any]:
+def _entry(curve: Curve, trace: Trace, state: SymmetryState, goes_on: str) -> dict[str, Any]:
     entry = _nothing(curve) | {
         "reading": trace.reading,
         "margin": trace.margin,
         "rms": trace.rms,
-        "warnings": [*trace.warnings, *may_go_on(curve, state)],
+        "warnings": [*trace.warnings, *filter(None, (goes_on,))],
     }
     if trace.curve is None:
         return entry

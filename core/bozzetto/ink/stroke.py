@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
@@ -69,6 +70,7 @@ class Stroke:
     """
 
     __slots__ = (
+        "_digest",
         "camera",
         "color",
         "group",
@@ -97,6 +99,7 @@ class Stroke:
     group: str
     has_pressure: bool
     has_time: bool
+    _digest: bytes
 
     def __init__(
         self,
@@ -270,13 +273,16 @@ class Stroke:
 
     @property
     def digest(self) -> bytes:
-        """16 bytes that name this stroke's content."""
+        """16 bytes that name this stroke's content; worked out once."""
+        with suppress(AttributeError):
+            return self._digest
         import hashlib
 
         state = hashlib.blake2b(repr(self._facts()).encode(), digest_size=16)
         for name in COLUMNS:
             state.update(getattr(self, name).tobytes())
-        return state.digest()
+        object.__setattr__(self, "_digest", state.digest())
+        return self._digest
 
 
 class Strokes(Chunked[Stroke]):

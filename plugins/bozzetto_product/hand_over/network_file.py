@@ -133,7 +133,8 @@ def network_of(facts: Mapping[str, Any], job: Job | None = None) -> Network:
     exact, fine = (max(share * size, rounding) for share in (FIT, FINE))
     tolerance = max(exact, noise)
     alone = _ending_alone(list(rows.values()), max(ON_CURVE * size, tolerance))
-    splines, job = [], Job() if job is None else job
+    job = Job() if job is None else job
+    splines: list[Spline] = []
     for (name, points), lone in zip(rows.items(), alone, strict=True):
         job.checkpoint(len(splines) / len(rows), name)
         fitted = _spline(points, name, size, tolerance, 0.0 if noise > exact else fine, lone)

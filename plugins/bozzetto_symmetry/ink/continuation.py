@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from bozzetto.arrays import Array
 from bozzetto.ink import arc_length, distances_to_polyline
-from bozzetto_symmetry.ink.polyline import length_of
+from bozzetto.plugin import cached_property
 
 SHORTEST: Final = 12.0
 """Length, px, from which ink is a piece of a line and no dot or tick."""
@@ -37,6 +38,13 @@ BENDS: Final = (30.0, 115.0)
 """Bend, degrees, up to which a line surely goes on, and up to which it may have a corner there."""
 
 
+PARTS: Final = (1.0, 1.0 / 3.0)
+"""Shares of the usual length of ink that the direction of an end is taken over."""
+
+SLACK: Final = 1.0 + 1e-9
+"""What the quick look at the distance of two ends allows for rounding."""
+
+
 @dataclass(frozen=True)
 class Continuation:
     """How one line goes on where another one ended.
@@ -61,38 +69,96 @@ class Continuation:
         return self.bend <= BENDS[0]
 
 
-def continuation(one: Array, other: Array, noise: float = 0.0) -> Continuation | None:
-    """Return how two open lines join at their ends, the smoothest way; None where they do not.
+@dataclass(frozen=True, eq=False)
+class OpenLine:
+    """A line with two ends; what is known of them is worked out once, for whatever it may meet.
 
-    Parameters
+    Attributes
     ----------
-    one, other : (n, 2), (m, 2) float
-        Smoothed and evenly spaced lines, px, in any sense.
+    pixels : (n, 2) float
+        Smoothed and evenly spaced.
     noise : float
-        Standard deviation of the hand across them, px.
+        Standard deviation of the hand across it, px.
     """
-    if min(map(length_of, (one, other))) < SHORTEST:
+
+    pixels: Array
+    noise: float = 0.0
+
+    @cached_property
+    def along(self) -> Array:
+        """Arc length from its beginning to each of its places, (n,) px."""
+        return arc_length(self.pixels)
+
+    @cached_property
+    def length(self) -> float:
+        """Its length, px."""
+        return float(self.along[-1])
+
+    @cached_property
+    def turned(self) -> OpenLine:
+        """The same line in the other sense."""
+        return OpenLine(self.pixels[::-1], self.noise)
+
+    @cached_property
+    def ends(self) -> tuple[tuple[Array, Array], ...]:
+        """Where it ends and the unit direction in which it leaves there, for each of `PARTS`."""
+        return tuple(_end(self.pixels, self.along, part) for part in PARTS)
+
+
+def meeting(lines: Sequence[OpenLine]) -> Iterator[tuple[int, int, Continuation]]:
+    """Yield which two of many lines join at their ends, by their numbers, and how.
+
+    Most lines end nowhere near each other, which is seen of all pairs at once.
+    """
+    long = [k for k, line in enumerate(lines) if line.length >= SHORTEST]
+    if len(long) < 2:
+        return
+    length, noise = np.array([(lines[k].length, lines[k].noise) for k in long]).T
+    ends = np.array([lines[k].pixels[[0, -1]] for k in long])
+    for i, first in enumerate(long[:-1]):
+        later = slice(i + 1, None)
+        shorter = np.minimum(length[i], length[later])
+        reach = _farthest(shorter, _beside(shorter, np.maximum(noise[i], noise[later])))
+        apart = np.linalg.norm(ends[i][:, None] - ends[later, None], axis=-1).min(axis=(1, 2))
+        for j in np.flatnonzero(apart <= SLACK * reach).tolist():
+            how = continuation(lines[first], lines[long[i + 1 + j]])
+            if how is not None:
+                yield first, long[i + 1 + j], how
+
+
+def continuation(one: OpenLine, other: OpenLine) -> Continuation | None:
+    """Return how two lines join at their ends, the smoothest way; None where they do not."""
+    shorter = min(one.length, other.length)
+    if shorter < SHORTEST:
         return None
+    beside = float(_beside(shorter, max(one.noise, other.noise)))
+    reach = float(_farthest(shorter, beside))
     found = [
-        _joint(first, second, noise)
-        for first in (one, one[::-1])
-        for second in (other, other[::-1])
+        _joint(first, second, shorter, beside)
+        for first in (one, one.turned)
+        for second in (other, other.turned)
+        if np.linalg.norm(second.pixels[0] - first.pixels[-1]) <= reach
     ]
     return min(
         (each for each in found if each is not None), key=lambda each: each.bend, default=None
     )
 
 
-def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
-    """Return how a line that begins where another one ends goes on; None where it does not."""
-    shorter = min(length_of(one), length_of(other))
-    share, least, most = BESIDE
-    beside = float(np.clip(share * shorter, least, most)) + noise
-    again = min(AGAIN[0] * shorter, AGAIN[1])
-    away = float(np.linalg.norm(other[0] - one[-1]))
-    if away > LOOSELY * float(np.hypot(GAP, beside)) + again:
-        return None
-    ends = [(_end(one, part), _end(other[::-1], part)) for part in (1.0, 1.0 / 3.0)]
+def _joint(one: OpenLine, other: OpenLine, shorter: float, beside: float) -> Continuation | None:
+    """Return how a line that begins where another one ends goes on; None where it does not.
+
+    Parameters
+    ----------
+    one, other : OpenLine
+        In the senses in which the second begins near where the first ends.
+    shorter : float
+        Length of the shorter one, px.
+    beside : float
+        How far beside the way of the first end the second may begin, px.
+    """
+    again = float(_again(shorter))
+    away = float(np.linalg.norm(other.pixels[0] - one.pixels[-1]))
+    ends = tuple(zip(one.ends, other.turned.ends, strict=True))
     bends = [_bend(way, back) for (_, way), (_, back) in ends]
     (place, way), (there, back) = ends[int(np.argmin(bends))]
     bend = min(bends)
@@ -105,12 +171,28 @@ def _joint(one: Array, other: Array, noise: float) -> Continuation | None:
     across = abs(float(step[0] * ahead[1] - step[1] * ahead[0]))
     if along < -beside:
         # Drawn again before it goes on: that ink lies over the end of the first line.
-        over = other[arc_length(other) <= -along]
-        across = float(np.max(distances_to_polyline(over, one))) if len(over) else across
+        over = other.pixels[other.along <= -along]
+        across = float(np.max(distances_to_polyline(over, one.pixels))) if len(over) else across
     if across > LOOSELY * beside or not -again <= along <= LOOSELY * GAP:
         return None
     smooth = bend <= BENDS[0]
     return Continuation(away, bend, smooth and across <= beside and along <= GAP)
+
+
+def _beside(shorter: Array | float, noise: Array | float) -> Array | float:
+    """Return how far beside the way of one end another one may begin, px."""
+    share, least, most = BESIDE
+    return np.clip(share * shorter, least, most) + noise
+
+
+def _again(shorter: Array | float) -> Array | float:
+    """Return how much ink may be drawn twice, px."""
+    return np.minimum(AGAIN[0] * shorter, AGAIN[1])
+
+
+def _farthest(shorter: Array | float, beside: Array | float) -> Array | float:
+    """Return how far apart two ends may be, px."""
+    return LOOSELY * np.hypot(GAP, beside) + _again(shorter)
 
 
 def _bend(way: Array, back: Array) -> float:
@@ -118,14 +200,13 @@ def _bend(way: Array, back: Array) -> float:
     return float(np.degrees(np.arccos(np.clip(-(way @ back), -1.0, 1.0))))
 
 
-def _end(line: Array, part: float) -> tuple[Array, Array]:
+def _end(line: Array, along: Array, part: float) -> tuple[Array, Array]:
     """Return where a line ends, and the unit direction in which it leaves there.
 
     Both are those of a parabola along the arc length, fitted by least squares to a part of the
     usual length of ink.
     """
     share, least, most = REACH
-    along = arc_length(line)
     reach = part * float(np.clip(share * along[-1], least, most))
     back = along[-1] - along
     near = back <= max(reach, float(back[-min(4, len(back))]))

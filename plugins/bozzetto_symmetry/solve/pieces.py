@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Final
 
 from bozzetto.errors import UserError
 from bozzetto.ink import carried_places, is_one_view
-from bozzetto_symmetry.ink.continuation import Continuation, continuation
-from bozzetto_symmetry.ink.sides import Side
+from bozzetto.view import Camera
+from bozzetto_symmetry.ink.continuation import Continuation, OpenLine, meeting
 from bozzetto_symmetry.model.state import Curve, SymmetryState
 from bozzetto_symmetry.solve.curve_solver import trace_if_any, views_of
 
@@ -26,30 +25,45 @@ class Link:
     how: Continuation
 
 
+@dataclass(frozen=True, eq=False)
+class _Ink:
+    """One open side of a curve, the last of its strokes, and the camera that it was drawn in."""
+
+    curve: str
+    stroke: int
+    camera: Camera
+    line: OpenLine
+
+    def seen(self, camera: Camera) -> OpenLine:
+        """Return its line on another canvas of the same view."""
+        if camera == self.camera:
+            return self.line
+        return OpenLine(carried_places(self.line.pixels, self.camera, camera), self.line.noise)
+
+
 def open_links(curve: Curve, state: SymmetryState) -> tuple[Link, ...]:
     """Return where a curve may go on from others that it is not joined to, the smoothest first."""
     if not can_be_joined(curve):
         return ()
-    found = [
-        link
-        for other in others_in_view(state, curve)
-        if can_be_joined(other)
-        for link in links_between([curve, other], state)
-    ]
-    return tuple(sorted(found, key=lambda link: (link.how.bend, link.curves)))
+    others = [other for other in others_in_view(state, curve) if can_be_joined(other)]
+    found = [link for link in links_between([*others, curve], state) if curve.id in link.curves]
+    return _smoothest_first(found)
 
 
-def may_go_on(curve: Curve, state: SymmetryState) -> tuple[str, ...]:
-    """Return what is said of a curve that may go on from another one, and was not taken so."""
-    if not curve.goes_on:
-        return ()
-    names = {node.id: node.name for node in state.curves}
-    for link in open_links(curve, state):
-        both = [node for node in state.curves if node.id in link.curves]
+def may_go_on(state: SymmetryState) -> Mapping[str, str]:
+    """Return what is said of curves that may go on from others and were not taken so, by ids."""
+    curves = {node.id: node for node in state.shown_curves if can_be_joined(node)}
+    said: dict[str, str] = {}
+    for link in _smoothest_first(links_between(list(curves.values()), state)):
+        both = [curves[name] for name in link.curves]
         if all(node.goes_on for node in both) and any(_lacks(node, state) for node in both):
-            other = next(name for name in link.curves if name != curve.id)
-            return (MAY_GO_ON.format(names[other]),)
-    return ()
+            for node, other in (both, both[::-1]):
+                said.setdefault(node.id, MAY_GO_ON.format(other.name))
+    return said
+
+
+def _smoothest_first(links: Sequence[Link]) -> tuple[Link, ...]:
+    return tuple(sorted(links, key=lambda link: (link.how.bend, link.curves)))
 
 
 def _lacks(curve: Curve, state: SymmetryState) -> bool:
@@ -73,29 +87,28 @@ def others_in_view(state: SymmetryState, curve: Curve) -> list[Curve]:
     ]  # fmt: skip
 
 
-def _lines(curve: Curve, state: SymmetryState) -> list[tuple[Side, tuple[int, ...]]]:
-    """Return the open sides of a curve, with the numbers of their strokes in it."""
+def _open_ink(curve: Curve, state: SymmetryState) -> list[_Ink]:
+    """Return the open sides of a curve that was drawn in one view."""
     try:
         (view,) = views_of(curve, state, curve.reading)
     except (UserError, ValueError):
         return []
+    camera = curve.strokes[0].camera
     return [
-        (side, tuple(view.numbers[k] for k in side.strokes))
+        _Ink(curve.id, view.numbers[side.strokes[-1]], camera, OpenLine(side.pixels, side.noise))
         for side in view.sides
         if not side.closed
     ]
 
 
 def links_between(curves: Sequence[Curve], state: SymmetryState) -> tuple[Link, ...]:
-    """Return where some curves may go on from one another."""
-    lines = [(curve, side, numbers) for curve in curves for side, numbers in _lines(curve, state)]
+    """Return where some curves may go on from one another; of two in the first one's canvas."""
+    ink = [each for curve in curves for each in _open_ink(curve, state)]
     found = []
-    for (one, side, numbers), (other, that, others) in combinations(lines, 2):
-        if one.id == other.id:
-            continue
-        first, second = one.strokes[0].camera, other.strokes[0].camera
-        pixels = that.pixels if first == second else carried_places(that.pixels, second, first)
-        how = continuation(side.pixels, pixels, max(side.noise, that.noise))
-        if how is not None:
-            found.append(Link((one.id, other.id), (numbers[-1], others[-1]), how))
+    for camera in dict.fromkeys(each.camera for each in ink):
+        here = [each for each in ink if is_one_view(camera, each.camera)]
+        for i, j, how in meeting([each.seen(camera) for each in here]):
+            one, other = here[i], here[j]
+            if one.camera == camera and one.curve != other.curve:
+                found.append(Link((one.curve, other.curve), (one.stroke, other.stroke), how))
     return tuple(found)

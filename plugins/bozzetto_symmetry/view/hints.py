@@ -70,7 +70,7 @@ def next_step(state: SymmetryState) -> str:
         return problem.message
     ends = 0 if trace.curve is None else settled_ends(trace.curve, chosen, state)
     told = () if ends == 0 else (SETTLED[ends],)
-    goes_on = may_go_on(chosen, state)
+    goes_on = filter(None, (may_go_on(state).get(chosen.id),))
     return " ".join((*trace.warnings, *told, *goes_on, *_expected(chosen, trace)))
 
 

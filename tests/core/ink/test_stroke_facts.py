@@ -59,3 +59,28 @@ def test_the_rays_of_ink_move_with_the_world(side):
 def without_camera(stroke):
     """A stroke without its camera, which comes back up to rounding only."""
     return [getattr(stroke, name).tolist() for name in COLUMNS]
+
+
+def test_the_name_of_a_strokes_content_hangs_on_its_content_alone():
+    """It is kept once it was asked for: what was made otherwise, or asked earlier, has the same."""
+    one = Stroke([1.0, 2.0], [3.0, 4.0], Camera(), group="rim", pressure=[0.1, 0.2])
+    asked = one.digest
+    copies = [
+        Stroke([1.0, 2.0], [3.0, 4.0], Camera(), group="rim", pressure=[0.1, 0.2]),
+        Stroke.from_columns(
+            [getattr(one, name) for name in COLUMNS],
+            one.camera, one.tool, one.color, one.group, one.has_pressure, one.has_time,
+        ),
+        one.moved(Placement()),
+    ]  # fmt: skip
+    for copy in copies:
+        assert copy.digest == copy.digest == asked == one.digest
+        assert hash(copy) == hash(one)
+        assert copy == one
+    others = [
+        Stroke([1.0, 2.5], [3.0, 4.0], Camera(), group="rim", pressure=[0.1, 0.2]),
+        Stroke([1.0, 2.0], [3.0, 4.0], Camera(), group="arm", pressure=[0.1, 0.2]),
+        Stroke([1.0, 2.0], [3.0, 4.0], Camera(eye=(0.0, -9.0, 1.0)), group="rim"),
+        one.moved(Placement((1, 0, 0, 0, 1, 0, 0, 0, 1), 1.0, (1.0, 0.0, 0.0))),
+    ]
+    assert asked not in {other.digest for other in others}

@@ -63,7 +63,7 @@ def outcome(thing: Lifted) -> Outcome:
         except UserError:
             told = True
     told |= any(trace.curve is None or trace.warnings for trace in traces)
-    told |= any(may_go_on(curve, state) for curve in state.curves)
+    told |= bool(may_go_on(state))
     off = _off(thing, traces)
     right = off <= RIGHT
     reading = traces[0].reading if traces else ""

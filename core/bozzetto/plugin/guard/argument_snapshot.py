@@ -135,7 +135,11 @@ _known: dict[type[Any], tuple[tuple[str, ...], Reader]] = {}
 
 
 def _fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
-    """Return the names of the fields of a dataclass or of slots, and how to read them."""
+    """Return the names of the fields of a dataclass or of slots, and how to read them.
+
+    A slot whose name begins with an underscore holds what is worked out from the others, at any
+    time.
+    """
     if kind not in _known:
         _known[kind] = _find_fields(kind)
     return _known[kind]
@@ -146,7 +150,8 @@ def _find_fields(kind: type[Any]) -> tuple[tuple[str, ...], Reader]:
     if dataclasses.is_dataclass(kind):
         names = tuple(entry.name for entry in dataclasses.fields(kind))
     elif kind.__module__.startswith("bozzetto."):
-        names = tuple(name for part in kind.__mro__ for name in vars(part).get("__slots__", ()))
+        slots = (name for part in kind.__mro__ for name in vars(part).get("__slots__", ()))
+        names = tuple(name for name in slots if not name.startswith("_"))
     if not names:
         return (), lambda _: ()
     if len(names) == 1:

@@ -389,6 +389,9 @@ def test_numbers_of_numpy_do_not_keep_a_document_from_being_saved():
 GOLDEN = Path(__file__).parents[3] / "data" / "documents"
 
 
+STROKE_FIELDS = sorted(name for name in Stroke.__slots__ if not name.startswith("_"))
+
+
 def plain(value):
     """A document as JSON values, by no code of ours: what ``v1.json`` was written with."""
     if isinstance(value, np.ndarray):
@@ -400,7 +403,7 @@ def plain(value):
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, Stroke):
-        return {name: plain(getattr(value, name)) for name in sorted(Stroke.__slots__)}
+        return {name: plain(getattr(value, name)) for name in STROKE_FIELDS}
     if hasattr(value, "__dataclass_fields__"):
         fields = {name: plain(getattr(value, name)) for name in value.__dataclass_fields__}
         return {"class": type(value).__name__, **fields}

@@ -12,7 +12,7 @@ from bozzetto.arrays import Array
 from bozzetto.ink import Stroke, resample
 from bozzetto.plugin import Context
 from bozzetto_symmetry.commands import all_commands
-from bozzetto_symmetry.ink.continuation import continuation
+from bozzetto_symmetry.ink.continuation import OpenLine, continuation, meeting
 from bozzetto_symmetry.model.state import SymmetryState
 from bozzetto_symmetry.operations.assign_stroke import add_drawing, add_strokes
 from bozzetto_symmetry.report import cautions_of
@@ -58,7 +58,7 @@ def switched(state: SymmetryState) -> SymmetryState:
 def test_a_line_goes_on_where_it_was_cut_whatever_its_senses(cut: int, apart: int) -> None:
     one, other = ARC[:cut], ARC[cut + apart :]
     found = {
-        continuation(first, second)
+        continuation(OpenLine(first), OpenLine(second))
         for a, b in ((one, other), (other, one))
         for first in (a, a[::-1])
         for second in (b, b[::-1])
@@ -72,7 +72,7 @@ def test_a_line_goes_on_where_it_was_cut_whatever_its_senses(cut: int, apart: in
 
 def test_a_corner_may_go_on_and_is_not_sure() -> None:
     corner = int(np.argmin(np.linalg.norm(CORNER - (200.0, 0.0), axis=1)))
-    found = continuation(CORNER[:corner], CORNER[corner:])
+    found = continuation(OpenLine(CORNER[:corner]), OpenLine(CORNER[corner:]))
     assert found is not None
     assert not found.sure
     assert found.bend == pytest.approx(np.degrees(np.arctan2(180.0, 30.0)), abs=1.0)
@@ -83,13 +83,33 @@ def test_a_corner_may_go_on_and_is_not_sure() -> None:
 )
 def test_ends_far_from_one_another_do_not_go_on(way: tuple[float, float]) -> None:
     line = resample(np.array(((0.0, 0.0), (200.0, 0.0))), spacing=2.0)
-    assert continuation(line, line + np.array((200.0, 0.0)) + way) is None
+    on = OpenLine(line + np.array((200.0, 0.0)) + way)
+    assert continuation(OpenLine(line), on) is None
 
 
 def test_lines_that_run_back_or_alongside_do_not_go_on() -> None:
     line = resample(np.array(((0.0, 0.0), (200.0, 0.0))), spacing=2.0)
-    assert continuation(line, line[::-1] + np.array((0.0, 4.0))) is None
-    assert continuation(line, line[:3] + np.array((200.0, 0.0))) is None  # a tick
+    back, tick = line[::-1] + np.array((0.0, 4.0)), line[:3] + np.array((200.0, 0.0))
+    assert continuation(OpenLine(line), OpenLine(back)) is None
+    assert continuation(OpenLine(line), OpenLine(tick)) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_many_lines_those_meet_that_meet_two_by_two(seed: int) -> None:
+    """Lines that fork, overlap, close up and miss each other a little, and some far away."""
+    dice = np.random.default_rng(seed)
+    lines, at = [], np.zeros((1, 2))
+    for _ in range(40):
+        at = at[-1] + dice.normal(0.0, dice.choice((3.0, 25.0, 300.0)), 2)
+        turn = np.cumsum(dice.normal(0.0, 0.03) + dice.normal(0.0, 0.02, int(dice.integers(3, 90))))
+        way = dice.uniform(0.0, 2.0 * np.pi) + turn
+        at = at + np.cumsum(2.0 * np.column_stack((np.cos(way), np.sin(way))), axis=0)
+        lines.append(OpenLine(at if dice.random() < 0.5 else at[::-1], float(dice.uniform(0, 3))))
+    found = {(i, j): how for i, j, how in meeting(lines)}
+    for i, one in enumerate(lines):
+        for j, other in enumerate(lines[i + 1 :], i + 1):
+            assert found.get((i, j)) == continuation(one, other)
+    assert len(found) > 5
 
 
 # -- what pieces are read as -------------------------------------------------------------------
@@ -193,7 +213,7 @@ def test_what_a_person_took_apart_stays_apart() -> None:
     state = add_drawing(SymmetryState(), strokes(RAIL, 0.45))
     while len(state.curves) == 1:
         state = switched(state)
-    assert may_go_on(state.curves[1], state) == ()
+    assert state.curves[1].id not in may_go_on(state)
     state = add_drawing(state, strokes(RAIL * MIRROR))
     assert len(state.curves) == 2
 
