@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Iterable
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
@@ -14,6 +15,10 @@ MOST_BYTES: Final = 256 << 20
 """Bytes that all remembered answers of a process may take together: the program itself takes
 about 400 MB, and on a machine of 4 GB it shall leave room for a browser. Dragging
 the sliders of the bundled samples fills some 100 MB."""
+
+
+OLDEST: Final = 64
+"""Least recent entries of which the one goes first that makes most room."""
 
 
 class Entry:
@@ -39,6 +44,9 @@ class Entry:
 class MemoryBudget:
     """Keeps entries while they fit, and lets go of those that were used least recently.
 
+    Of the least recent ones, `OLDEST` of them, the one goes first that makes most room: where a
+    drawing needs more than there is, its parts are asked for in turn, and by age alone each would
+    be forgotten just before it is asked for again, down to figures of a few bytes that took long.
     A large object that several entries reach is counted once. All methods may be called from any
     thread.
 
@@ -128,10 +136,15 @@ class MemoryBudget:
     def _shrink(self) -> list[Entry]:
         gone = []
         while self._held > self._most and self._entries:
-            oldest = next(iter(self._entries))
-            self._count_out(oldest)
-            gone.append(oldest)
+            largest = max(islice(self._entries, OLDEST), key=self._alone)
+            self._count_out(largest)
+            gone.append(largest)
         return gone
+
+    def _alone(self, entry: Entry) -> int:
+        """Return the bytes that nothing holds but an entry."""
+        large = sum(count for thing, count in entry.size.large if self._holders[id(thing)] == 1)
+        return entry.size.small + large
 
     def _count_in(self, entry: Entry) -> None:
         self._entries[entry] = None

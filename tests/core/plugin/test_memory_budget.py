@@ -1,14 +1,16 @@
-"""The budget: never above its bound, the least recently used first, shared parts counted once."""
+"""The budget: never above its bound, of the least recent the largest first, shared parts once."""
 
 from __future__ import annotations
 
 import hypothesis.strategies as st
+import pytest
 from hypothesis import example, given
 
+from bozzetto.plugin import memory_budget
 from bozzetto.plugin.memory_budget import Entry, MemoryBudget
 from bozzetto.plugin.memory_size import Size
 
-MOST = 1000
+MOST, OLDEST = 1000, 4
 PARTS = [(object(), size) for size in (100, 250, 400, 700, 1200)]
 
 
@@ -43,9 +45,16 @@ def taken(entries):
 
 
 def cut(entries, bound):
-    """Let the oldest go until the others fit."""
+    """Let that of the oldest go without which least is taken, until the others fit."""
     while taken(entries) > bound:
-        entries.pop(0)
+        without = [taken([*entries[:k], *entries[k + 1 :]]) for k in range(len(entries[:OLDEST]))]
+        entries.pop(without.index(min(without)))
+
+
+@pytest.fixture(autouse=True)
+def few_oldest(monkeypatch):
+    """So few that a run of forty steps has more."""
+    monkeypatch.setattr(memory_budget, "OLDEST", OLDEST)
 
 
 def taken_steps(steps):
@@ -100,7 +109,7 @@ def test_what_does_not_fit_goes_and_all_is_counted(steps, last_bound):
 
 @given(STEPS)
 @example([("keep", 0, Size((), 9)), ("keep", 0, Size((), 9)), ("use", 0, Size((), 9))])
-def test_the_one_goes_first_that_was_not_used_for_longest(steps):
+def test_of_those_not_used_for_longest_the_one_goes_first_that_makes_most_room(steps):
     budget, made, model = taken_steps(steps)
     for bound in range(MOST, -1, -5):
         budget.limit_to(bound)
