@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import replace
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from bozzetto_silhouette.outline.from_ink import outline_of
 from bozzetto_silhouette.solids.body import Body
 from bozzetto_silhouette.solids.extrude import straight_body
 from bozzetto_silhouette.solids.surface_constraints import constraints_on
+
+if TYPE_CHECKING:
+    from bozzetto_silhouette.implicit.interpolation_constraints import Constraints
 
 
 def _recipe(part: Part, resolution: int, checkpoint: Checkpoint) -> Hashable:
@@ -53,32 +57,43 @@ def body_of(part: Part, resolution: int, checkpoint: Checkpoint = ignore) -> Bod
     return _placed(_at_rest(part, resolution, checkpoint), part)
 
 
-# A drag makes one at every move of the pen.
-@remembered(limit=256, key=lambda rest, part: (rest, part.id, part.pose))
-def _placed(rest: Body, part: Part) -> Body:
-    return replace(rest, sources=(part.id,)).placed(part.placement)
-
-
-@remembered(limit=256, key=_recipe)
-def _at_rest(part: Part, resolution: int, checkpoint: Checkpoint) -> Body:
-    """Return a part's body in its object frame: the same for all parts drawn alike.
+@dataclass(frozen=True, eq=False)
+class _AtRest:
+    """What a part's body is made of, wherever it stands: the same for all parts drawn alike.
 
     What is moved or mirrored keeps the function of space that was fitted to it.
     """
-    solid = solid_of(part, resolution, checkpoint)
-    relief = Relief(solid)
-    return Body(
+
+    solid: SilhouetteSolid
+    relief: Relief
+    constraints: Constraints | None
+
+
+# A drag makes one at every move of the pen.
+@remembered(limit=256, key=lambda rest, part: (rest, part.id, part.pose))
+def _placed(rest: _AtRest, part: Part) -> Body:
+    solid = rest.solid
+    body = Body(
         solid.vertices,
         solid.faces,
         solid.normals,
         np.zeros(len(solid.vertices), np.int32),
         (part.id,),
-        relief,
+        rest.relief,
         float(solid.skeleton.nodes[:, 2].max()),
         solid.step,
-        constraints=constraints_on(solid, relief) if part.surface == "variational" else None,
+        constraints=rest.constraints,
         solid=solid,
     )
+    return body.placed(part.placement)
+
+
+@remembered(limit=256, key=_recipe)
+def _at_rest(part: Part, resolution: int, checkpoint: Checkpoint) -> _AtRest:
+    solid = solid_of(part, resolution, checkpoint)
+    relief = Relief(solid)
+    interpolates = part.surface == "variational"
+    return _AtRest(solid, relief, constraints_on(solid, relief) if interpolates else None)
 
 
 def _height_model(part: Part) -> HeightModel:
