@@ -178,11 +178,11 @@ def _guessed(
             continue
         if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
-        seen.append(whole)
         count = len(body.lines)
         misfit = seen_otherwise(drawing, body.points, body.lines, hidden[:count])
         if misfit is not None and misfit > MOST_OTHERWISE:
             continue
+        seen.append(whole)
         unsure = misfit is None or misfit > OTHERWISE
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
