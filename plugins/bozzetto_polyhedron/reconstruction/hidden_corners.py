@@ -10,7 +10,7 @@ and those that no such line leads to, are not found. Lengths are shares of the d
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -38,6 +38,9 @@ MOST_STEPS: Final = 3000
 MOST_FOUND: Final = 12
 """Completions after which the search ends."""
 
+MOST_TRIED: Final = 60
+"""Completions of which it is asked whether they can be."""
+
 MOST_DIRECTIONS: Final = 4
 """Directions, those of most ink first, that a missing line may have."""
 
@@ -57,6 +60,12 @@ class Whole:
 
     points: Array
     lines: Index
+
+    @property
+    def key(self) -> frozenset[tuple[float, ...]]:
+        """What is the same for wholes of the same lines: where these lie."""
+        middles = self.points[self.lines].mean(axis=1)
+        return frozenset(map(tuple, np.round(middles, 3).tolist()))
 
 
 @dataclass(frozen=True)
@@ -91,6 +100,7 @@ def with_hidden_corners(
     faces: Sequence[tuple[Ring, ...]],
     outline: Outline,
     reach: float,
+    can_be: Callable[[Whole], bool],
 ) -> list[Whole]:
     """Return whole solids with the fewest hidden corners, and those with one more.
 
@@ -106,16 +116,27 @@ def with_hidden_corners(
         Of the drawing, which hides all that is missing.
     reach : float
         Distance within which places are one.
+    can_be : callable
+        Whether a whole is a solid that shows what was drawn.
     """
     search = _Search.of(drawing, junctions, faces, outline, reach)
     start = _State(search.lacks())
     if not start.lacks:
         return []
     found: list[Whole] = []
+    tried: set[frozenset[tuple[float, ...]]] = set()
     for count in range(MOST_CORNERS + 1):
         before = len(found)
-        found += search.completions(start, count)
-        if before or len(found) >= MOST_FOUND or search.steps > MOST_STEPS:
+        for whole in search.completions(start, count):
+            lines = whole.key
+            if lines in tried:
+                continue
+            tried.add(lines)
+            if can_be(whole):
+                found.append(whole)
+            if len(found) >= MOST_FOUND or len(tried) >= MOST_TRIED:
+                return found
+        if before or search.steps > MOST_STEPS:
             break
     return found
 

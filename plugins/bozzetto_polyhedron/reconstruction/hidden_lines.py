@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -212,10 +213,12 @@ def _wholes(
     parts = parts_of(drawing, junctions, reach / 2.0)
     drawn, ends = parts[0].drawing, parts[0].junctions
     own = [(ring,) for ring in _faces_of(drawn, ends)] if len(parts) > 1 else faces
+    can_be = partial(_can_be, drawing, junctions, reach)
+    can_be_part = partial(_can_be, drawn, ends, reach)
     ways = (
         extruded(drawn, ends, reach),
         turned_wholes(drawn, ends, reach),
-        with_hidden_corners(drawn, ends, own, outline, reach),
+        with_hidden_corners(drawn, ends, own, outline, reach, can_be_part),
         mirrored_wholes(drawn, ends, reach),
     )
     for kind, wholes in enumerate(ways):
@@ -226,8 +229,17 @@ def _wholes(
                 for every in completed_parts(whole, parts, reach, UNEXPLAINED):
                     yield kind, whole, every
     if len(parts) > 1:
-        for whole in with_hidden_corners(drawing, junctions, faces, outline, reach):
+        for whole in with_hidden_corners(drawing, junctions, faces, outline, reach, can_be):
             yield HIDDEN_CORNERS, whole, whole
+
+
+def _can_be(drawing: Drawing, junctions: Junctions, reach: float, whole: Whole) -> bool:
+    """Whether a whole explains the ink of a drawing, and a solid shows its lines as drawn."""
+    hidden, unexplained = compared(drawing, junctions, whole, reach)
+    if unexplained > UNEXPLAINED or not (hidden > 0.0).any():
+        return False
+    misfit = seen_otherwise(drawing, whole.points, whole.lines, hidden)
+    return misfit is None or misfit <= MOST_OTHERWISE
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:
