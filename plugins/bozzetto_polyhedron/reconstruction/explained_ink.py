@@ -8,7 +8,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
-from bozzetto_polyhedron.reconstruction.hidden_corners import Whole
+from bozzetto_polyhedron.reconstruction.missing_lines import Whole
 from bozzetto_polyhedron.reconstruction.visible_regions import Junctions
 
 LEAST_HIDDEN: Final = 0.01

@@ -15,7 +15,7 @@ from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.certainty import closest_corners
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.guess_numbers import LOG_ODDS, TRAITS
-from bozzetto_polyhedron.reconstruction.hidden_corners import Whole
+from bozzetto_polyhedron.reconstruction.missing_lines import Whole
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 
 ALIGNED: Final = np.sin(np.radians(6.0))

@@ -4,30 +4,31 @@ A corner of a solid has three lines at least. One at the border of the drawing t
 a line that goes behind, along a direction of other lines; a line that ends on the middle of another
 goes on behind it. Two such lines meet in a hidden corner, from which a third one goes on, until no
 corner lacks a line (Varley & Martin, *A system for constructing boundary representation solid
-models from a two-dimensional sketch*, 2000, complete the hidden part alike). Corners of four lines,
-and those that no such line leads to, are not found. Lengths are shares of the diagonal.
+models from a two-dimensional sketch*, 2000, complete the hidden part alike). Where nothing is found
+so, a line may wait for a corner that others find, and the third line of a corner is where two faces
+meet (`directions`). Corners of four lines, and those that no such line leads to, are not found.
+Lengths are shares of the diagonal.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
 
-from bozzetto.arrays import Array, Index
+from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.planar_embedding import (
     Ring,
     components,
     embedded_faces,
     neighbors_of,
 )
-from bozzetto_polyhedron.reconstruction.affine_depth import affine_depth
+from bozzetto_polyhedron.reconstruction.directions import Directions
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
+from bozzetto_polyhedron.reconstruction.missing_lines import Lack, State, Whole
 from bozzetto_polyhedron.reconstruction.outline import Outline
-from bozzetto_polyhedron.reconstruction.parallel_classes import ParallelClasses, parallel_classes
-from bozzetto_polyhedron.reconstruction.visible_regions import Junctions
 
 MOST_CORNERS: Final = 6
 """Hidden corners that are looked for."""
@@ -35,11 +36,17 @@ MOST_CORNERS: Final = 6
 MOST_STEPS: Final = 3000
 """Partial completions that are looked at."""
 
-MOST_FOUND: Final = 12
-"""Completions after which the search ends."""
+MOST_WAITING_STEPS: Final = 6000
+"""The same where lines wait for corners that others find."""
 
-MOST_DIRECTIONS: Final = 4
-"""Directions, those of most ink first, that a missing line may have."""
+MOST_FOUND: Final = 12
+"""Completions that are found at most."""
+
+MOST_TRIED: Final = 60
+"""Completions of which it is asked whether they can be."""
+
+MOST_LATER: Final = 2
+"""Lines in a row that may wait for corners which others find."""
 
 LEAST_TURN: Final = 0.15
 """Sine of the angle between lines on the sheet below which no corner is where they cross."""
@@ -51,46 +58,14 @@ LEAST_LINE: Final = 0.03
 """Shortest hidden line."""
 
 
-@dataclass(frozen=True, eq=False)
-class Whole:
-    """Corners (n, 2) and lines (m, 2) of a whole solid in the picture."""
-
-    points: Array
-    lines: Index
-
-
-@dataclass(frozen=True)
-class _Lack:
-    """A line that a corner lacks: of one of some classes, from a place (x, y, depth).
-
-    `line` is the line of the drawing that goes on, and `slot` its end; -1 for a new one. `sense` is
-    +1 or -1 where the line goes on one way along its class, and 0 otherwise.
-    """
-
-    corner: int
-    place: tuple[float, float, float]
-    classes: tuple[int, ...]
-    line: int = -1
-    slot: int = 0
-    sense: int = 0
-
-
-@dataclass(frozen=True)
-class _State:
-    """Lacks that are left, and what was made: hidden corners, lines, new ends of drawn lines."""
-
-    lacks: tuple[_Lack, ...]
-    corners: tuple[tuple[float, float, float], ...] = ()
-    lines: tuple[tuple[int, int], ...] = ()
-    moved: tuple[tuple[int, int, int], ...] = ()
-
-
 def with_hidden_corners(
     drawing: Drawing,
-    junctions: Junctions,
     faces: Sequence[tuple[Ring, ...]],
     outline: Outline,
     reach: float,
+    misfit: Callable[[Whole], float],
+    *,
+    waiting: bool,
 ) -> list[Whole]:
     """Return whole solids with the fewest hidden corners, and those with one more.
 
@@ -98,26 +73,45 @@ def with_hidden_corners(
     ----------
     drawing : Drawing
         Corners and visible lines, parallel.
-    junctions : Junctions
-        Ends of lines that go behind others.
     faces : sequence of tuple of Ring
         Visible faces.
     outline : Outline
         Of the drawing, which hides all that is missing.
     reach : float
         Distance within which places are one.
+    misfit : callable
+        Share of its lines that a whole shows otherwise than they were drawn; 1 if it cannot be.
+        Those of the least come first.
+    waiting : bool
+        Whether a line may wait for a corner that others find; which takes long.
     """
-    search = _Search.of(drawing, junctions, faces, outline, reach)
-    start = _State(search.lacks())
+    search = _Search(drawing, Directions.of(drawing, faces), outline, reach)
+    start = State(search.lacks())
     if not start.lacks:
         return []
-    found: list[Whole] = []
-    for count in range(MOST_CORNERS + 1):
+    if waiting:
+        search.wait(start.lacks)
+    return _found(search, start, misfit)
+
+
+def _found(search: _Search, start: State, misfit: Callable[[Whole], float]) -> list[Whole]:
+    """Return wholes that can be: a search ends one corner after the first, if it comes so far."""
+    found: list[tuple[float, Whole]] = []
+    tried: set[frozenset[tuple[float, ...]]] = set()
+    for count in search.counts(start):
         before = len(found)
-        found += search.completions(start, count)
-        if before or len(found) >= MOST_FOUND or search.steps > MOST_STEPS:
+        for whole in search.completions(start, count):
+            if whole.key in tried:
+                continue
+            tried.add(whole.key)
+            off = misfit(whole)
+            found += [(off, whole)] if off < 1.0 else []
+            if len(tried) == MOST_TRIED:
+                break
+        if before or search.steps > search.most_steps or len(tried) == MOST_TRIED:
             break
-    return found
+    found.sort(key=lambda each: each[0])
+    return [whole for _, whole in found[:MOST_FOUND]]
 
 
 @dataclass(eq=False)
@@ -125,71 +119,85 @@ class _Search:
     """State of the search: what is known of the drawing, and the number of steps so far."""
 
     drawing: Drawing
-    junctions: Junctions
-    labels: Index
-    ways: Array
-    """Classes' directions with their slopes, (c, 3); nan where no depth is told."""
-    order: list[int]
-    space: Array
-    """Corners with depths, (n, 3); nan where none is told."""
+    directions: Directions
     outline: Outline
     reach: float
+    waiting: bool = False
     steps: int = 0
+    seen: set[tuple[object, ...]] = field(default_factory=set)
+    lone: frozenset[Lack] = frozenset()
+    """Where lines wait, those of the drawing that lead to no other corner of it."""
+    hits: dict[tuple[Lack, int, Lack], bool] = field(default_factory=dict)
+    met: dict[tuple[Lack, int, Lack, int], Array | None] = field(default_factory=dict)
 
-    @classmethod
-    def of(
-        cls,
-        drawing: Drawing,
-        junctions: Junctions,
-        faces: Sequence[tuple[Ring, ...]],
-        outline: Outline,
-        reach: float,
-    ) -> _Search:
-        classes = parallel_classes(drawing)
-        depths = _depths(drawing, classes, faces)
-        rise = depths[drawing.lines[:, 1]] - depths[drawing.lines[:, 0]]
-        along = (drawing.spans * classes.directions[classes.labels]).sum(1)
-        slopes = np.full(len(classes.directions), np.nan)
-        for name in range(len(slopes)):
-            told = (classes.labels == name) & np.isfinite(rise)
-            if told.any():
-                weights = np.abs(along[told])
-                slopes[name] = (rise[told] * along[told]).sum() / max((weights**2).sum(), 1e-12)
-        ink = np.bincount(classes.labels, drawing.lengths, len(slopes))
-        return cls(
-            drawing,
-            junctions,
-            classes.labels,
-            np.column_stack((classes.directions, slopes)),
-            np.argsort(-ink, kind="stable").tolist(),
-            np.column_stack((drawing.points, depths)),
-            outline,
-            reach,
-        )
-
-    def lacks(self) -> tuple[_Lack, ...]:
+    def lacks(self) -> tuple[Lack, ...]:
         """Return what corners of the drawing lack: lines that go on behind others come first."""
         found, rest = [], []
         for corner in range(len(self.drawing.points)):
             here = np.flatnonzero((self.drawing.lines == corner).any(1)).tolist()
-            place = tuple(self.space[corner].tolist())
+            place = tuple(self.directions.space[corner].tolist())
             if len(here) == 1:
                 slot = int(self.drawing.lines[here[0], 1] == corner)
-                name = int(self.labels[here[0]])
+                name = int(self.directions.labels[here[0]])
                 span = self.drawing.spans[here[0]] * (1.0 if slot else -1.0)
-                sense = 1 if span @ self.ways[name, :2] > 0.0 else -1
-                found.append(_Lack(-1, place, (name,), here[0], slot, sense))
+                sense = 1 if span @ self.directions.ways[name, :2] > 0.0 else -1
+                origin = int(self.drawing.lines[here[0], 1 - slot])
+                sides = self._sides(origin, here[0])
+                found.append(Lack(-1, place, (name,), here[0], slot, sense, sides))
             elif len(here) == 2:
-                rest.append(_Lack(corner, place, self._others([int(self.labels[k]) for k in here])))
+                sides = self._sides(corner, -1)
+                rest.append(Lack(corner, place, self.directions.others(sides), sides=sides))
         return (*found, *rest)
 
-    def _others(self, names: Sequence[int]) -> tuple[int, ...]:
-        return tuple(k for k in self.order if k not in names)[:MOST_DIRECTIONS]
+    def wait(self, lacks: Sequence[Lack]) -> None:
+        """Let lines wait for corners that others find."""
+        self.waiting = True
+        self.lone = frozenset(
+            one
+            for one in lacks
+            if not any(
+                name in other.classes
+                and (self._hits(one, name, other) or self._hits(other, name, one))
+                for other in lacks
+                if other is not one
+                for name in one.classes
+            )
+        )
 
-    def completions(self, state: _State, left: int) -> Iterator[Whole]:
+    @property
+    def most_steps(self) -> int:
+        """Partial completions that are looked at."""
+        return MOST_WAITING_STEPS if self.waiting else MOST_STEPS
+
+    def counts(self, start: State) -> range:
+        """Return the numbers of hidden corners that are sought, one after the other.
+
+        Each has three lines, so the number is odd if that of lacking lines is.
+        """
+        if not self.waiting:
+            return range(MOST_CORNERS + 1)
+        return range(len(start.lacks) % 2, MOST_CORNERS + 1, 2)
+
+    def _may_end(self, state: State, left: int) -> bool:
+        """Whether hidden corners have ends enough for lines that lead to no other corner."""
+        drawn = len(self.drawing.points)
+        ends = 3 * left + sum(each.corner >= drawn for each in state.lacks)
+        return sum(each in self.lone for each in state.lacks) <= ends
+
+    def _sides(self, corner: int, line: int) -> tuple[int, ...]:
+        """Return the classes of two lines of a corner beside one, where it has just these."""
+        here = np.flatnonzero((self.drawing.lines == corner).any(1)).tolist()
+        names = tuple(int(self.directions.labels[k]) for k in here if k != line)
+        return names if len(names) == 2 else ()
+
+    def completions(self, state: State, left: int) -> Iterator[Whole]:
         """Yield wholes with so many more hidden corners."""
+        key = (left, state.later, state.lacks[0] if state.lacks else None, state.key)
         self.steps += 1
-        if self.steps > MOST_STEPS:
+        if self.steps > self.most_steps or key in self.seen:
+            return
+        self.seen.add(key)
+        if self.waiting and not self._may_end(state, left):
             return
         if not state.lacks:
             if left == 0:
@@ -200,8 +208,11 @@ class _Search:
             return
         for after in self._continued(state, left):
             yield from self.completions(after, left - len(after.corners) + len(state.corners))
+        if self.waiting and state.later < min(MOST_LATER, len(state.lacks) - 1):
+            turned = (*state.lacks[1:], state.lacks[0])
+            yield from self.completions(replace(state, lacks=turned, later=state.later + 1), left)
 
-    def _continued(self, state: _State, left: int) -> list[_State]:
+    def _continued(self, state: State, left: int) -> list[State]:
         """Return the ways in which the first lack can end."""
         first, others = state.lacks[0], state.lacks[1:]
         joined, met = [], []
@@ -218,10 +229,16 @@ class _Search:
         met.sort(key=lambda each: len(each.lacks))
         return [*joined, *met]
 
-    def _hits(self, lack: _Lack, name: int, other: _Lack) -> bool:
+    def _hits(self, lack: Lack, name: int, other: Lack) -> bool:
         """Whether a line that a corner lacks leads to another corner that lacks one."""
+        key = (lack, name, other)
+        if key not in self.hits:
+            self.hits[key] = self._leads(lack, name, other)
+        return self.hits[key]
+
+    def _leads(self, lack: Lack, name: int, other: Lack) -> bool:
         off = np.subtract(other.place, lack.place)
-        way = self.ways[name]
+        way = self.directions.ways[name]
         run = float(off[:2] @ way[:2])
         if not self._may_run(lack, run) or abs(off[0] * way[1] - off[1] * way[0]) > self.reach:
             return False
@@ -229,14 +246,20 @@ class _Search:
         middle = (np.array(lack.place[:2]) + other.place[:2]) / 2.0
         return not deep > DEEPER * self.reach and self.outline.covers(middle)
 
-    def _may_run(self, lack: _Lack, run: float) -> bool:
+    def _may_run(self, lack: Lack, run: float) -> bool:
         if lack.sense:
             return run * lack.sense > -self.reach
         return abs(run) > LEAST_LINE
 
-    def _meeting(self, one: _Lack, name: int, two: _Lack, other: int) -> Array | None:
+    def _meeting(self, one: Lack, name: int, two: Lack, other: int) -> Array | None:
         """Return the place where lines of two lacks meet inside the outline, (3,)."""
-        way, across = self.ways[name], self.ways[other]
+        key = (one, name, two, other)
+        if key not in self.met:
+            self.met[key] = self._crossing(*key)
+        return self.met[key]
+
+    def _crossing(self, one: Lack, name: int, two: Lack, other: int) -> Array | None:
+        way, across = self.directions.ways[name], self.directions.ways[other]
         turn = float(way[0] * across[1] - way[1] * across[0])
         if abs(turn) < LEAST_TURN:
             return None
@@ -257,8 +280,8 @@ class _Search:
         return found if covered else None
 
     def _meetings(
-        self, first: _Lack, name: int, other: _Lack, others: Sequence[_Lack]
-    ) -> Iterator[tuple[Array, list[tuple[_Lack, int]]]]:
+        self, first: Lack, name: int, other: Lack, others: Sequence[Lack]
+    ) -> Iterator[tuple[Array, list[tuple[Lack, int]]]]:
         """Yield places where two lines meet, with all that meet there, and with these two."""
         for across in other.classes:
             if across == name:
@@ -281,41 +304,50 @@ class _Search:
             else:
                 yield place, pair
 
-    def _passes(self, lack: _Lack, name: int, place: Array) -> bool:
+    def _passes(self, lack: Lack, name: int, place: Array) -> bool:
         """Whether a line of a lack runs through a place."""
         off = place - lack.place
-        way = self.ways[name]
+        way = self.directions.ways[name]
         run = float(off[:2] @ way[:2])
         beside = abs(off[0] * way[1] - off[1] * way[0]) > self.reach
         deep = abs(off[2] - run * way[2]) > DEEPER * self.reach
         return self._may_run(lack, run) and not beside and not deep
 
-    def _joined(self, state: _State, first: _Lack, other: _Lack, rest: tuple[_Lack, ...]) -> _State:
+    def _joined(self, state: State, first: Lack, other: Lack, rest: tuple[Lack, ...]) -> State:
         if first.line >= 0:
             moved = (*state.moved, (first.line, first.slot, other.corner))
-            return replace(state, lacks=rest, moved=moved)
-        return replace(state, lacks=rest, lines=(*state.lines, (first.corner, other.corner)))
+            return replace(state, lacks=rest, moved=moved, later=0)
+        return replace(
+            state, lacks=rest, lines=(*state.lines, (first.corner, other.corner)), later=0
+        )
 
     def _met(
         self,
-        state: _State,
-        first: _Lack,
+        state: State,
+        first: Lack,
         name: int,
         place: Array,
-        partners: list[tuple[_Lack, int]],
-    ) -> _State:
+        partners: list[tuple[Lack, int]],
+    ) -> State:
         corner = len(self.drawing.points) + len(state.corners)
         here = [(first, name), *partners]
         spot = (float(place[0]), float(place[1]), float(place[2]))
         gone = {id(each[0]) for each in here}
         lacks = tuple(each for each in state.lacks if id(each) not in gone)
         if len(here) < 3:
-            lacks = (*lacks, _Lack(corner, spot, self._others([each[1] for each in here])))
+            (one, name), (two, across) = here
+            ways = self.directions
+            thirds = (
+                ways.thirds(name, one.sides, across, two.sides)
+                if self.waiting
+                else ways.others((name, across))
+            )
+            lacks = (*lacks, Lack(corner, spot, thirds, sides=(name, across)))
         lines = [(lack.corner, corner) for lack, _ in here if lack.line < 0]
         moved = [(lack.line, lack.slot, corner) for lack, _ in here if lack.line >= 0]
-        return _State(lacks, (*state.corners, spot), (*state.lines, *lines), (*state.moved, *moved))
+        return State(lacks, (*state.corners, spot), (*state.lines, *lines), (*state.moved, *moved))
 
-    def _whole(self, state: _State) -> Whole:
+    def _whole(self, state: State) -> Whole:
         """Return the drawing with what was made, without ends that lie nowhere any more."""
         lines = self.drawing.lines.copy()
         for line, slot, corner in state.moved:
@@ -326,19 +358,3 @@ class _Search:
         points = np.concatenate((self.drawing.points, hidden))
         kept, numbers = np.unique(lines, return_inverse=True)
         return Whole(points[kept], numbers.reshape(-1, 2).astype(np.intp))
-
-
-def _depths(drawing: Drawing, classes: ParallelClasses, faces: Sequence[tuple[Ring, ...]]) -> Array:
-    """Return depths of the largest part, as spread as the sheet; nan where none is told."""
-    depths = np.full(len(drawing.points), np.nan)
-    parts = components(neighbors_of(drawing.lines))
-    part = max(parts, key=len)
-    known = [rings for rings in faces if all(set(ring) <= set(part) for ring in rings)]
-    if len(part) < 5:
-        return depths
-    found = affine_depth(drawing, classes, part, known)
-    if found.basis.shape[1] == 1:
-        members = list(part)
-        spread = np.std(drawing.points[members]) / max(float(np.std(found.depths[members])), 1e-12)
-        depths[members] = found.depths[members] * spread
-    return depths

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -23,7 +25,8 @@ from bozzetto_polyhedron.reconstruction.answer import Rings
 from bozzetto_polyhedron.reconstruction.drawing import Drawing, drawing_of
 from bozzetto_polyhedron.reconstruction.explained_ink import compared
 from bozzetto_polyhedron.reconstruction.guess_certainty import certainty_of_guess, guess_traits
-from bozzetto_polyhedron.reconstruction.hidden_corners import Whole, with_hidden_corners
+from bozzetto_polyhedron.reconstruction.hidden_corners import with_hidden_corners
+from bozzetto_polyhedron.reconstruction.missing_lines import Whole
 from bozzetto_polyhedron.reconstruction.outline import Outline, outline_of
 from bozzetto_polyhedron.reconstruction.perspective import ParallelView, parallel_view
 from bozzetto_polyhedron.reconstruction.soundness import seen_otherwise
@@ -53,8 +56,8 @@ MOST_OTHERWISE: Final = 0.15
 WAYS: Final = (0, 0, 1, 2)
 """Order of guesses that explain as much: prisms, images by a half turn, hidden corners, mirrors."""
 
-HIDDEN_CORNERS, MIRRORED = 2, 3
-"""Numbers of two of these kinds."""
+PRISMS, TURNED, HIDDEN_CORNERS, MIRRORED = range(4)
+"""Numbers of these kinds."""
 
 FEWEST: Final = 3
 """Corners of the least ring."""
@@ -128,11 +131,16 @@ def hidden_lines(graph: LineGraph, camera: Camera, most: int = 3) -> tuple[Hidde
     junctions = junctions_of(drawing, (NEAR + 3.0 * drawing.noise) / 2.0)
     faces = [(ring, *holes_in(drawing, junctions, ring)) for ring in _faces_of(drawing, junctions)]
     view = parallel_view(drawing, camera, faces)
-    found = _guessed(view, junctions, faces, most) if view.perspective > 0.0 else []
     plain = ParallelView(
         drawing, drawing.points, np.zeros(2), 0.0, np.zeros(len(drawing.points)), certain=False
     )
-    kept = _different(found + _guessed(plain, junctions, faces, most), drawing)[:most]
+    views = (view, plain) if view.perspective > 0.0 else (plain,)
+    kept: list[HiddenLines] = []
+    for waiting in (False, True):
+        found = [_guessed(each, junctions, faces, most, waiting=waiting) for each in views]
+        kept = _different(list(chain.from_iterable(found)), drawing)[:most]
+        if kept:
+            break
     among_others = float(len(kept) > 1)
     return tuple(replace(each, traits=np.append(each.traits, among_others)) for each in kept)
 
@@ -163,26 +171,34 @@ def _different(found: Sequence[HiddenLines], drawing: Drawing) -> list[HiddenLin
 
 
 def _guessed(
-    view: ParallelView, junctions: Junctions, faces: Sequence[Rings], most: int
+    view: ParallelView,
+    junctions: Junctions,
+    faces: Sequence[Rings],
+    most: int,
+    *,
+    waiting: bool,
 ) -> list[HiddenLines]:
-    """Return what may be hidden of a drawing without perspective, as it was drawn."""
+    """Return what may be hidden of a drawing without perspective, as it was drawn.
+
+    `waiting` lines are those of hidden corners that others find; it takes long to try these.
+    """
     drawing = view.drawing
     reach = NEAR + 3.0 * drawing.noise
     outline = outline_of(drawing, reach)
     found: list[tuple[bool, float, bool, int, int, HiddenLines]] = []
     seen: list[Whole] = []
-    for kind, body, whole in _wholes(drawing, junctions, faces, outline, reach):
+    for kind, body, whole in _wholes(drawing, junctions, faces, outline, reach, waiting):
         hidden, unexplained = compared(drawing, junctions, whole, reach)
         missing = hidden > 0.0
         if unexplained > UNEXPLAINED or not missing.any() or _is_known(whole, seen, reach):
             continue
         if not _is_within(whole.points[whole.lines[missing]], outline):
             continue
-        seen.append(whole)
         count = len(body.lines)
         misfit = seen_otherwise(drawing, body.points, body.lines, hidden[:count])
         if misfit is not None and misfit > MOST_OTHERWISE:
             continue
+        seen.append(whole)
         unsure = misfit is None or misfit > OTHERWISE
         places = view.as_drawn(whole.points, _depths(view, whole))
         places = (places * (1.0, -1.0)) * drawing.diagonal + drawing.center
@@ -204,30 +220,50 @@ def _wholes(
     faces: Sequence[Rings],
     outline: Outline,
     reach: float,
+    waiting: bool,
 ) -> Iterator[tuple[int, Whole, Whole]]:
     """Yield the kind of a guess, its body, and the body with all other parts.
 
-    Much of a prism is a mirror image of something: mirrors are asked where the others end.
+    Much of a prism is a mirror image of something: mirrors are asked where the others end. Where
+    lines may wait, only hidden corners are sought.
     """
     parts = parts_of(drawing, junctions, reach / 2.0)
     drawn, ends = parts[0].drawing, parts[0].junctions
     own = [(ring,) for ring in _faces_of(drawn, ends)] if len(parts) > 1 else faces
-    ways = (
-        extruded(drawn, ends, reach),
-        turned_wholes(drawn, ends, reach),
-        with_hidden_corners(drawn, ends, own, outline, reach),
-        mirrored_wholes(drawn, ends, reach),
-    )
-    for kind, wholes in enumerate(ways):
-        for whole in wholes:
+    misfit = partial(_misfit, drawing, junctions, reach)
+    misfit_of_part = partial(_misfit, drawn, ends, reach)
+    ways = {
+        PRISMS: lambda: extruded(drawn, ends, reach),
+        TURNED: lambda: turned_wholes(drawn, ends, reach),
+        HIDDEN_CORNERS: lambda: with_hidden_corners(
+            drawn, own, outline, reach, misfit_of_part, waiting=waiting
+        ),
+        MIRRORED: lambda: mirrored_wholes(drawn, ends, reach),
+    }
+    for kind in (HIDDEN_CORNERS,) if waiting else tuple(ways):
+        for whole in ways[kind]():
             if len(parts) == 1:
                 yield kind, whole, whole
             elif compared(drawn, ends, whole, reach)[1] <= UNEXPLAINED:
                 for every in completed_parts(whole, parts, reach, UNEXPLAINED):
                     yield kind, whole, every
     if len(parts) > 1:
-        for whole in with_hidden_corners(drawing, junctions, faces, outline, reach):
+        for whole in with_hidden_corners(drawing, faces, outline, reach, misfit, waiting=waiting):
             yield HIDDEN_CORNERS, whole, whole
+
+
+def _misfit(drawing: Drawing, junctions: Junctions, reach: float, whole: Whole) -> float:
+    """Return the share of its lines that a whole shows otherwise than drawn; 1 if that is no guess.
+
+    0 where it is not told.
+    """
+    hidden, unexplained = compared(drawing, junctions, whole, reach)
+    if unexplained > UNEXPLAINED or not (hidden > 0.0).any():
+        return 1.0
+    misfit = seen_otherwise(drawing, whole.points, whole.lines, hidden)
+    if misfit is None:
+        return 0.0
+    return misfit if misfit <= MOST_OTHERWISE else 1.0
 
 
 def _is_within(ends: Array, outline: Outline) -> bool:

@@ -9,8 +9,8 @@ import numpy as np
 
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
-from bozzetto_polyhedron.reconstruction.hidden_corners import Whole
 from bozzetto_polyhedron.reconstruction.mirror_images import mirror_images
+from bozzetto_polyhedron.reconstruction.missing_lines import Whole
 from bozzetto_polyhedron.reconstruction.parallel_classes import parallel_classes
 from bozzetto_polyhedron.reconstruction.visible_regions import Junctions
 

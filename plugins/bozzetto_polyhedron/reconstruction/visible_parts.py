@@ -19,7 +19,7 @@ from bozzetto.arrays import Array
 from bozzetto_polyhedron.graph.planar_embedding import Ring, components, neighbors_of
 from bozzetto_polyhedron.reconstruction.drawing import Drawing
 from bozzetto_polyhedron.reconstruction.explained_ink import compared
-from bozzetto_polyhedron.reconstruction.hidden_corners import Whole
+from bozzetto_polyhedron.reconstruction.missing_lines import Whole
 from bozzetto_polyhedron.reconstruction.planar_faces import inside
 from bozzetto_polyhedron.reconstruction.visible_halves import mirrored_wholes
 from bozzetto_polyhedron.reconstruction.visible_prisms import (
