@@ -103,11 +103,15 @@ def completed_parts(
     """
     ways = []
     for number, part in enumerate(parts[1:], 1):
-        fit = [
-            each
-            for each in _ways(whole, parts, number, reach)
-            if compared(part.drawing, part.junctions, each, reach)[1] <= most_unexplained
-        ]
+        fit: list[Whole] = []
+        for made in (_pockets(whole, parts, number, reach), _bosses(part, reach)):
+            fit += [
+                each
+                for each in made
+                if compared(part.drawing, part.junctions, each, reach)[1] <= most_unexplained
+            ]
+            if fit and _is_sunk(part):
+                break
         ways.append(sorted(fit, key=lambda each: len(each.points))[:MOST_WAYS])
     if all(ways):
         for chosen in islice(product(*ways), MOST_TOGETHER):
@@ -120,8 +124,10 @@ def _together(wholes: Sequence[Whole]) -> Whole:
     return Whole(np.concatenate([each.points for each in wholes]), np.concatenate(lines))
 
 
-def _ways(whole: Whole, parts: Sequence[VisiblePart], number: int, reach: float) -> Iterator[Whole]:
-    """Yield ways to complete one part in a body, those that corners of its own tell first."""
+def _pockets(
+    whole: Whole, parts: Sequence[VisiblePart], number: int, reach: float
+) -> Iterator[Whole]:
+    """Yield prisms over the rim of one part in a body, as deep as corners of its own tell first."""
     part = parts[number]
     drawing = part.drawing
     for rim in outer_rings(drawing, part.junctions):
@@ -131,8 +137,19 @@ def _ways(whole: Whole, parts: Sequence[VisiblePart], number: int, reach: float)
         )
         for step in steps:
             yield prism(drawing, rim, drawing.points[list(rim)] + step, reach)
-    yield from extruded(drawing, part.junctions, reach)
-    yield from mirrored_wholes(drawing, part.junctions, reach)
+
+
+def _bosses(part: VisiblePart, reach: float) -> Iterator[Whole]:
+    """Yield what stands in a face: prisms over a visible face, and symmetric solids."""
+    yield from extruded(part.drawing, part.junctions, reach)
+    yield from mirrored_wholes(part.drawing, part.junctions, reach)
+
+
+def _is_sunk(part: VisiblePart) -> bool:
+    """Return whether lines of a part go behind its own rim: then it is no boss, but a pocket."""
+    rims = [corner for rim in outer_rings(part.drawing, part.junctions) for corner in rim]
+    on_line = part.junctions.on_line[part.junctions.on_line >= 0]
+    return bool(np.isin(part.drawing.lines[on_line], rims).all(axis=1).any())
 
 
 def _steps_through(whole: Whole, parts: Sequence[VisiblePart], number: int, rim: Ring) -> Array:

@@ -310,6 +310,14 @@ def test_most_prisms_drawn_by_hand_are_guessed() -> None:
     assert np.mean(right) >= 0.7
 
 
+def test_most_holes_drawn_by_hand_are_holes_at_first() -> None:
+    """And no wedges over some corners of the rim, which have fewer lines."""
+    hand = Hand(jitter=0.01, wobble=0.006)
+    found = [outcome(seed, hand, kind="blocks with a hole") for seed in range(23_000, 23_010)]
+    right = [each[0][:1] == [True] for each in found if each is not None]
+    assert np.mean(right) >= 0.6
+
+
 def drawn(seed: int = 101) -> tuple[PolyhedronState, tuple[Stroke, ...]]:
     made = drawing(seed, STEADY)
     assert made is not None
