@@ -14,6 +14,7 @@ from bozzetto.ink import signed_area
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import Passage, course_of
 from bozzetto_product.details.floor_places import LaidFloor
+from bozzetto_product.details.folded_rings import folded
 from bozzetto_product.details.form import Carved, Form, Near
 from bozzetto_product.details.inset_rings import (
     DRAFT,
@@ -36,9 +37,12 @@ from bozzetto_product.details.region import (
     region_faces,
 )
 from bozzetto_product.details.ring import Ring
-from bozzetto_product.details.shell import Owner, Shell, owned
+from bozzetto_product.details.shell import Owner, Shell, is_crease, owned
 from bozzetto_product.details.walls import FloorFace, with_walls
 from bozzetto_product.details.zones import ZonedRegion, creases_within, zones_of
+
+CLOSED: Final = 1e-9
+"""Share of the extent of a floor by which its sides may miss one another."""
 
 SAMPLES: Final = 12
 """Places on each span of a side, at which it is looked at."""
@@ -75,20 +79,19 @@ def carved_over_creases(
         shell, chart, rings[0], region_faces(shell, chart, rings[0], under, creased=True)
     ):
         return None
-    cut, edges, region = _zoned(shell, chart, rings, courses)
+    cut, _, region = _zoned(shell, chart, rings, courses)
     if len(region.zones) < 2:
         return None
-    every, ways = list(rings), list(courses)
+    every, ways = _folded(shell, chart, rings, near)
+    count = len(every)
     if form.kind == "button":
-        inner = [inner_ring(chart, region.offset, ring, form.gap) for ring in rings]
-        every += inner
-        check_inset(every, rings, [ring.reversed() for ring in inner], GAP)
-        for ring in inner:
-            start = ring.value(np.zeros(1))[0]
-            ways.append(course_of(shell, chart, ring, first_face(shell, chart, start, near(start), 1.0), 1.0))
-        cut, edges, region = _zoned(shell, chart, every, ways)
+        inner = [inner_ring(chart, region.offset, ring, form.gap) for ring in every]
+        check_inset([*every, *inner], every, [ring.reversed() for ring in inner], GAP)
+        inside, others = _folded(shell, chart, inner, near)
+        every, ways = [*every, *inside], [*ways, *others]
+    cut, edges, region = _zoned(shell, chart, every, ways)
     if form.height < 0.0:
-        check_room(region.offset, rings[0], form.depth, thickness)
+        check_room(region.offset, every[0], form.depth, thickness)
     inward = form.depth * float(np.tan(form.draft))
     reach = form.depth * region.steepness + 2.0 * inward
     levels = [
@@ -105,7 +108,7 @@ def carved_over_creases(
         floors.append(FloorFace(level.floor, loops))
     made = with_walls(cut, edges, floors, owner, mitred.mitres)
     if form.kind == "button":
-        within = {cut.tops[k] for k, edge in enumerate(edges) if edge.ring >= len(rings)}
+        within = {cut.tops[k] for k, edge in enumerate(edges) if edge.ring >= count}
         made = owned(made, flooded(made, within), owner.detail)
     laid = tuple(
         LaidFloor(chart, piece.floor, face, form.height, zone.offset)
@@ -114,6 +117,27 @@ def carved_over_creases(
         )
     )
     return Carved(made, laid)
+
+
+def _folded(
+    shell: Shell, chart: Chart, rings: Sequence[Ring], near: Near
+) -> tuple[list[Ring], list[tuple[Passage, ...]]]:
+    """Return outlines with a joint at every crease that they cross, and their courses."""
+    made, ways = [], []
+    for ring in rings:
+        creases = [
+            passage.leave.t
+            for passage in _course(shell, chart, ring, near)
+            if passage.leave is not None and is_crease(shell, passage.leave.edge)
+        ]
+        made.append(folded(ring, creases) if creases else ring)
+        ways.append(_course(shell, chart, made[-1], near))
+    return made, ways
+
+
+def _course(shell: Shell, chart: Chart, ring: Ring, near: Near) -> tuple[Passage, ...]:
+    start = ring.value(np.zeros(1))[0]
+    return course_of(shell, chart, ring, first_face(shell, chart, start, near(start), 1.0), 1.0)
 
 
 def _zoned(
@@ -175,7 +199,12 @@ def _loops(
         while at in sides:
             side, at, row = sides.pop(at)
             loop.append(side)
-            ring.append(row[:-1])
+            ring.append(row)
+        ends = np.array([(row[0], row[-1]) for row in ring])
+        gaps = np.abs(ends[:, 1] - np.roll(ends[:, 0], -1, axis=0))
+        if (gaps > CLOSED * np.ptp(np.concatenate(ring), axis=0)).any():
+            raise UserError(NARROW)
+        ring = [row[:-1] for row in ring]
         found.append((tuple(loop), np.concatenate(ring)))
     found.sort(key=lambda one: -signed_area(one[1]))
     areas = [signed_area(ring) for _, ring in found]

@@ -30,7 +30,7 @@ SAME: Final = 1e-6
 ROUNDS: Final = 40
 """Most steps of Newton's method."""
 
-FOUND: Final = 1e-11
+FOUND: Final = 3e-14
 """Distance between floors, as share of the size, at which they meet."""
 
 LOOSELY: Final = 1e-9
@@ -189,7 +189,11 @@ class _Run:
             return level
         low, high = self.ends
 
+        # At its end it is the run's own course that counts, not that behind the corner or crease.
+        last = high - 1e-12 * max(1.0, high)
+
         def own(at: Array) -> Array:
+            at = np.minimum(at, last)
             return places(self.ring, np.where(at > self.period, at - self.period, at), None)
 
         step = SLOPE * (high - low)
@@ -204,8 +208,10 @@ class _Run:
             found += np.minimum(to - low, 0.0)[:, None] * slopes[0]
             return found + np.maximum(to - high, 0.0)[:, None] * slopes[1]
 
+        # At a corner that what is behind it says counts, on both sides.
+        corners = places(self.ring, np.where(ends >= self.period, ends - self.period, ends), None)
         rests = [
-            np.zeros(2) if foot is None else foot - moved(ends)[k]
+            (corners[k] if foot is None else foot) - moved(ends)[k]
             for k, foot in enumerate(self.feet)
         ]
 
@@ -371,7 +377,7 @@ class _Joints:
         ((crease, at),) = node.ends
         fold = self._fold(crease, np.array([at]))
         along, way = fold.along[0], self.height * fold.way[0]
-        shifts = []
+        shifts, courses = [], []
         for edge, zone, end in zip(edges, zones, (-1, 0), strict=True):
             curve = edge.top.curve
             course = curve.derivative(np.array([curve.range[end]]), 1)[0]
@@ -384,8 +390,10 @@ class _Joints:
                 raise UserError(LENGTHWISE)
             run = ((way - inside) @ across) / (course @ across)
             shifts.append(float((inside + run * course) @ along))
-            node.slides[zone] = float(run) / speed
-        found = self._met(crease, fold, np.array([0.5 * sum(shifts)]))
+            courses.append((zone, course / speed))
+        shift = 0.5 * sum(shifts)
+        node.slides = {zone: float((way + shift * along) @ course) for zone, course in courses}
+        found = self._met(crease, fold, np.array([shift]))
         node.at = {zone: where[0] for zone, where in zip(crease.zones, found, strict=True)}
 
     def inside(self, node: _Node) -> dict[int, Array]:

@@ -137,6 +137,15 @@ def owned(shell: Shell, faces: Collection[int], number: int) -> Shell:
     return replace(shell, owners=tuple(owners))
 
 
+def is_crease(shell: Shell, edge: int) -> bool:
+    """Whether two faces meet at an edge, and not smoothly."""
+    users = shell.users[edge]
+    if len(users) != 2:
+        return False
+    (one, first), (other, second) = users
+    return not is_smooth(shell, one, first, other, second)
+
+
 @remembered(limit=8, key=lambda shell: shell)
 def face_meshes(shell: Shell) -> tuple[Mesh, ...]:
     """Return the triangles of each face with its normals, as they are shown."""

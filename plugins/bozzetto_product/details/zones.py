@@ -16,7 +16,7 @@ from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.face_cuts import ring_of
 from bozzetto_product.details.floor import Offset, offset_of
 from bozzetto_product.details.ring import Ring
-from bozzetto_product.details.shell import Shell, is_smooth
+from bozzetto_product.details.shell import Shell, is_crease, is_smooth
 
 if TYPE_CHECKING:
     import shapely
@@ -179,10 +179,9 @@ def creases_within(shell: Shell, chart: Chart, ring: Ring, faces: Sequence[int])
                 continue
             seen.add(trim.edge)
             users = shell.users[trim.edge]
-            if len(users) < 2 or any(n not in own or shell.owners[n].is_wall for n, _ in users):
+            if any(n not in own or shell.owners[n].is_wall for n, _ in users):
                 continue
-            (one, first), (other, second) = users
-            if is_smooth(shell, one, first, other, second):
+            if not is_crease(shell, trim.edge):
                 continue
             line = shapely.LineString(chart.flat(shell.edges[trim.edge].polyline(8)[1]))
             if area.intersects(line):
