@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -45,7 +46,7 @@ def inner_ring(chart: Chart, offset: Offset, ring: Ring, gap: float) -> Ring:
         t = np.linspace(number, number + 1.0, PLACES)
         t[-1] -= 1e-12 * max(1.0, t[-1])
         rows.append(chart.flat(inset_points(chart, offset, ring, t, gap, 0.0)))
-    return _joined(rows).reversed()
+    return replace(_joined(rows), folds=ring.folds).reversed()
 
 
 def far_rings(

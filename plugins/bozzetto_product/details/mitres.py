@@ -20,7 +20,7 @@ from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.floor import Floor
 from bozzetto_product.details.joint_edges import FittedEdge, Track, fitted_edges
 from bozzetto_product.details.levels import Level
-from bozzetto_product.details.region import CutShell, OutlineEdge, Seat
+from bozzetto_product.details.region import SAME_BREAK, CutShell, OutlineEdge, Seat
 from bozzetto_product.details.ring import Ring
 from bozzetto_product.details.zones import CreaseEdge, ZonedRegion
 
@@ -193,7 +193,7 @@ class _Run:
         last = high - 1e-12 * max(1.0, high)
 
         def own(at: Array) -> Array:
-            at = np.minimum(at, last)
+            at = np.clip(at, low, last)
             return places(self.ring, np.where(at > self.period, at - self.period, at), None)
 
         step = SLOPE * (high - low)
@@ -216,7 +216,7 @@ class _Run:
         ]
 
         def slid(number: int, t: Array, over: BSplineSurface | None) -> Array:
-            at = np.where(t < low, t + self.period, t)
+            at = np.where(t < low - SAME_BREAK, t + self.period, t)
             share = ((at - low) / (high - low))[:, None]
             return moved(at) + (1.0 - share) * rests[0] + share * rests[1]
 
@@ -236,7 +236,7 @@ def _run_of(
     place = own.index(number)
 
     def ends(k: int) -> bool:
-        at = edges[k].start
+        at = _snapped(edges[k].start)
         return bool(nodes[k].at) or (at == round(at) and ring.turns[round(at)] != 0.0)
 
     first = next((k for k in (own[place - j] for j in range(len(own))) if ends(k)), None)
@@ -245,7 +245,7 @@ def _run_of(
     last = next(
         k for k in (own[(place + 1 + j) % len(own)] for j in range(len(own))) if ends(k)
     )
-    low, high = edges[first].start, edges[last].start
+    low, high = (_snapped(edges[k].start) for k in (first, last))
     high += ring.end if high <= low else 0.0
     return _Run(
         edges[number].ring,
@@ -262,6 +262,11 @@ def following(edges: Sequence[OutlineEdge], number: int) -> int:
     if number + 1 < len(edges) and edges[number + 1].ring == ring:
         return number + 1
     return next(k for k, edge in enumerate(edges) if edge.ring == ring)
+
+
+def _snapped(at: float) -> float:
+    """Return a parameter at which a stretch begins, where it is one but for rounding."""
+    return float(round(at)) if abs(at - round(at)) <= SAME_BREAK else at
 
 
 def _pair(at: Array | None) -> tuple[float, float] | None:
