@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -22,9 +22,9 @@ from bozzetto_product.details.course import (
     course_across,
     course_of,
 )
+from bozzetto_product.details.creased_floors import carved_over_creases
 from bozzetto_product.details.floor import Offset, offset_of
 from bozzetto_product.details.floor_places import LaidFloor
-from bozzetto_product.details.creased_floors import carved_over_creases
 from bozzetto_product.details.form import Carved, Form, Near
 from bozzetto_product.details.inset_rings import (
     DRAFT,
@@ -46,10 +46,9 @@ from bozzetto_product.details.region import (
     outline_edges,
     region_faces,
 )
-from bozzetto_product.details.ring import Ring, spline_of_stretch
+from bozzetto_product.details.ring import Ring
 from bozzetto_product.details.shell import Owner, Shell, owned
-from bozzetto_product.details.walls import FloorFace, whole_floor, with_walls
-from bozzetto_product.model.details import DetailKind
+from bozzetto_product.details.walls import whole_floor, with_walls
 
 OVER_WALLS: Final = ("cut", "split")
 """Kinds of details that may lie over walls of others: they have no floor."""
@@ -167,9 +166,7 @@ def _carved(
     under = [p.face for c in courses for p in c]
     owner = Owner(shell.owners[first[0]].patch, number, made=True)
     if not walls:
-        creased = carved_over_creases(
-            shell, chart, rings, courses, form, thickness, near, owner
-        )
+        creased = carved_over_creases(shell, chart, rings, courses, form, thickness, near, owner)
         if creased is not None:
             return creased
     faces = region_faces(shell, chart, rings[0], under, creased=walls)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -112,9 +111,7 @@ def carved_over_creases(
         made = owned(made, flooded(made, within), owner.detail)
     laid = tuple(
         LaidFloor(chart, piece.floor, face, form.height, zone.offset)
-        for piece, face, zone in zip(
-            floors, made.faces[-len(floors) :], region.zones, strict=True
-        )
+        for piece, face, zone in zip(floors, made.faces[-len(floors) :], region.zones, strict=True)
     )
     return Carved(made, laid)
 

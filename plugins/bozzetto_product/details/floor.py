@@ -27,7 +27,7 @@ NEAR: Final = 2e-6
 MARGIN: Final = 0.04
 """How far a floor reaches beyond its region, as share of the region's extent."""
 
-BEYOND: Final = 1e-2
+BEYOND: Final = 1e-4
 """Weight of places beyond creases, where a floor goes on to meet another one, against those of the
 surfaces."""
 

@@ -206,7 +206,7 @@ class _Run:
             to = at + (1.0 - share) * self.slides[0] + share * self.slides[1]
             found = own(np.clip(to, low, high))
             found += np.minimum(to - low, 0.0)[:, None] * slopes[0]
-            return found + np.maximum(to - high, 0.0)[:, None] * slopes[1]
+            return np.asarray(found + np.maximum(to - high, 0.0)[:, None] * slopes[1])
 
         # At a corner that what is behind it says counts, on both sides.
         corners = places(self.ring, np.where(ends >= self.period, ends - self.period, ends), None)
@@ -218,7 +218,7 @@ class _Run:
         def slid(number: int, t: Array, over: BSplineSurface | None) -> Array:
             at = np.where(t < low - SAME_BREAK, t + self.period, t)
             share = ((at - low) / (high - low))[:, None]
-            return moved(at) + (1.0 - share) * rests[0] + share * rests[1]
+            return np.asarray(moved(at) + (1.0 - share) * rests[0] + share * rests[1])
 
         return Level(level.floor, slid)
 
@@ -242,9 +242,7 @@ def _run_of(
     first = next((k for k in (own[place - j] for j in range(len(own))) if ends(k)), None)
     if first is None:
         return _Run(edges[number].ring, ring.end, (0.0, ring.end), (0.0, 0.0), (None, None))
-    last = next(
-        k for k in (own[(place + 1 + j) % len(own)] for j in range(len(own))) if ends(k)
-    )
+    last = next(k for k in (own[(place + 1 + j) % len(own)] for j in range(len(own))) if ends(k))
     low, high = (_snapped(edges[k].start) for k in (first, last))
     high += ring.end if high <= low else 0.0
     return _Run(
@@ -344,9 +342,7 @@ class _Joints:
     inward: float
     size: float
 
-    def mitre(
-        self, crease: CreaseEdge, ends: tuple[int, int], nodes: Mapping[int, _Node]
-    ) -> Mitre:
+    def mitre(self, crease: CreaseEdge, ends: tuple[int, int], nodes: Mapping[int, _Node]) -> Mitre:
         """Return the curve in which floors meet over an edge."""
         low, high = self.curves[crease.edge].range
         own = [self.floors[zone] for zone in crease.zones]

@@ -434,7 +434,7 @@ def corners_on(grounds: Sequence[Ground], row: Array) -> Flags:
     lengths = np.linalg.norm(into, axis=1) * np.linalg.norm(turned, axis=1)
     straight = (into * turned).sum(axis=1) > np.cos(CORNER) * lengths
     over = (cosine[:, 0] < np.cos(SHARP)) & straight
-    return marks & ~(over | np.roll(over, 1))
+    return np.asarray(marks & ~(over | np.roll(over, 1)))
 
 
 def polygon_corners(row: Array) -> Flags:

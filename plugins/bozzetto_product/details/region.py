@@ -11,7 +11,7 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
-from bozzetto.geometry import BSplineSurface, Face, ParameterCurve, Trim
+from bozzetto.geometry import BSplineSurface, Face, ParameterCurve
 from bozzetto.plugin import remembered
 from bozzetto_product.details.chart import Chart, parameters_at
 from bozzetto_product.details.course import CROSSES, SHORT, TURNED, Passage
@@ -134,7 +134,7 @@ def outline_edges(
 
     Walls end in a level, or where each edge has one of its own, in that.
     """
-    made = []
+    made: list[OutlineEdge] = []
     for number, (ring, course) in enumerate(zip(rings, courses, strict=True)):
         places = [float(k) for k in range(len(ring.stretches) + 1)]
         first, last = course[0].start, course[-1].end

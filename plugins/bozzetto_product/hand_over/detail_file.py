@@ -26,9 +26,9 @@ from bozzetto_product.details.emblem_places import anchored
 from bozzetto_product.details.ground import Ground
 from bozzetto_product.details.outline_places import (
     NO_SURFACE,
+    corners_on,
     laid_flat,
     places_of_points,
-    corners_on,
 )
 from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.point_noise import SAME
