@@ -25,7 +25,7 @@ from bozzetto_product.details.inset_rings import (
     inner_ring,
 )
 from bozzetto_product.details.levels import zone_level
-from bozzetto_product.details.mitres import NARROW, Mitre, following, mitred_floors
+from bozzetto_product.details.mitres import NARROW, Mitre, mitred_floors
 from bozzetto_product.details.region import (
     CutShell,
     OutlineEdge,
@@ -37,6 +37,7 @@ from bozzetto_product.details.region import (
 )
 from bozzetto_product.details.ring import Ring
 from bozzetto_product.details.shell import Owner, Shell, is_crease, owned
+from bozzetto_product.details.wall_feet import following
 from bozzetto_product.details.walls import FloorFace, with_walls
 from bozzetto_product.details.zones import ZonedRegion, creases_within, zones_of
 

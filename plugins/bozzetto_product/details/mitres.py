@@ -1,27 +1,27 @@
 """Mitres: where the floors of neighbouring zones meet, and where they meet an outline.
 
 A floor goes on beyond its zone, or ends before it, until it meets the floor of the next one. Over a
-place of the crease both meet in the plane across the crease, moved along it by what the walls at its
-ends need.
+place of the crease both meet in the plane across it, moved along it by what walls at its ends need.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
-from bozzetto.geometry import BSplineSurface, Curve
+from bozzetto.geometry import Curve
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.floor import Floor
 from bozzetto_product.details.joint_edges import FittedEdge, Track, fitted_edges
 from bozzetto_product.details.levels import Level
-from bozzetto_product.details.region import SAME_BREAK, CutShell, OutlineEdge, Seat
+from bozzetto_product.details.region import CutShell, OutlineEdge, Seat
 from bozzetto_product.details.ring import Ring
+from bozzetto_product.details.wall_feet import Node, following, run_of
 from bozzetto_product.details.zones import CreaseEdge, ZonedRegion
 
 SAME: Final = 1e-6
@@ -35,9 +35,6 @@ FOUND: Final = 3e-14
 
 LOOSELY: Final = 1e-9
 """The same, where rounding lets them come no nearer."""
-
-SLOPE: Final = 1e-5
-"""Share of a run over which its slope at an end is taken."""
 
 ALONG: Final = 0.05
 """Least sine between an outline and a crease that it crosses."""
@@ -132,7 +129,7 @@ def mitred_floors(
     )
     floors = [level.floor for level in levels if level.floor is not None]
     joints = _Joints(shell.edges, region.zones[0].chart, floors, height, inward, shell.size)
-    nodes = {k: _Node(edge.top.curve.control_points[0]) for k, edge in enumerate(edges)}
+    nodes = {k: Node(edge.top.curve.control_points[0]) for k, edge in enumerate(edges)}
     runs: list[tuple[CreaseEdge, tuple[int, int]]] = []
     for crease in region.creases:
         curve = shell.edges[crease.edge]
@@ -152,154 +149,23 @@ def mitred_floors(
     mitres = tuple(joints.mitre(crease, ends, nodes) for crease, ends in runs)
     seats = []
     for number, zone in enumerate(zones):
-        run = _run_of(edges, rings, nodes, zone, number)
+        run = run_of(edges, rings, nodes, zone, number)
         first, last = (nodes[k].at.get(zone) for k in (number, following(edges, number)))
         seats.append(Seat(run.slid(levels[zone]), (_pair(first), _pair(last))))
     return MitredFloors(mitres, tuple(seats), zones)
-
-
-@dataclass(frozen=True, eq=False)
-class _Run:
-    """A part of an outline between creases and corners.
-
-    Parameters
-    ----------
-    ring : int
-    period : float
-        Parameters of the ring.
-    ends : (float, float)
-        Its own; the second one may be beyond the period.
-    slides : (float, float)
-        How far along the outline the feet of its ends are moved, as parameters.
-    feet : (Array or None, Array or None)
-        Where these are on the floor, (2,); None where nothing moves them.
-    """
-
-    ring: int
-    period: float
-    ends: tuple[float, float]
-    slides: tuple[float, float]
-    feet: tuple[Array | None, Array | None]
-
-    def slid(self, level: Level) -> Level:
-        """Return a level on which the feet of walls slide towards those of the ends, evenly."""
-        places = level.places
-        assert places is not None
-        if self.feet[0] is None and self.feet[1] is None:
-            return level
-        low, high = self.ends
-
-        # At its end it is the run's own course that counts, not that behind the corner or crease.
-        last = high - 1e-12 * max(1.0, high)
-
-        def own(at: Array) -> Array:
-            at = np.clip(at, low, last)
-            return places(self.ring, np.where(at > self.period, at - self.period, at), None)
-
-        step = SLOPE * (high - low)
-        ends = np.array((low, high))
-        borders = own(ends)
-        slopes = (own(ends + np.array((step, -step))) - borders) / np.array([[step], [-step]])
-
-        def moved(at: Array) -> Array:
-            share = (at - low) / (high - low)
-            to = at + (1.0 - share) * self.slides[0] + share * self.slides[1]
-            found = own(np.clip(to, low, high))
-            found += np.minimum(to - low, 0.0)[:, None] * slopes[0]
-            return np.asarray(found + np.maximum(to - high, 0.0)[:, None] * slopes[1])
-
-        # At a corner that what is behind it says counts, on both sides.
-        corners = places(self.ring, np.where(ends >= self.period, ends - self.period, ends), None)
-        rests = [
-            (corners[k] if foot is None else foot) - moved(ends)[k]
-            for k, foot in enumerate(self.feet)
-        ]
-
-        def slid(number: int, t: Array, over: BSplineSurface | None) -> Array:
-            at = np.where(t < low - SAME_BREAK, t + self.period, t)
-            share = ((at - low) / (high - low))[:, None]
-            return np.asarray(moved(at) + (1.0 - share) * rests[0] + share * rests[1])
-
-        return Level(level.floor, slid)
-
-
-def _run_of(
-    edges: Sequence[OutlineEdge],
-    rings: Sequence[Ring],
-    nodes: Mapping[int, _Node],
-    zone: int,
-    number: int,
-) -> _Run:
-    """Return the run of an outline that an edge is part of."""
-    ring = rings[edges[number].ring]
-    own = [k for k, edge in enumerate(edges) if edge.ring == edges[number].ring]
-    place = own.index(number)
-
-    def ends(k: int) -> bool:
-        at = _snapped(edges[k].start)
-        return bool(nodes[k].at) or (at == round(at) and ring.turns[round(at)] != 0.0)
-
-    first = next((k for k in (own[place - j] for j in range(len(own))) if ends(k)), None)
-    if first is None:
-        return _Run(edges[number].ring, ring.end, (0.0, ring.end), (0.0, 0.0), (None, None))
-    last = next(k for k in (own[(place + 1 + j) % len(own)] for j in range(len(own))) if ends(k))
-    low, high = (_snapped(edges[k].start) for k in (first, last))
-    high += ring.end if high <= low else 0.0
-    return _Run(
-        edges[number].ring,
-        ring.end,
-        (low, high),
-        (nodes[first].slides.get(zone, 0.0), nodes[last].slides.get(zone, 0.0)),
-        (nodes[first].at.get(zone), nodes[last].at.get(zone)),
-    )
-
-
-def following(edges: Sequence[OutlineEdge], number: int) -> int:
-    """Return the number of the edge that follows one on its outline."""
-    ring = edges[number].ring
-    if number + 1 < len(edges) and edges[number + 1].ring == ring:
-        return number + 1
-    return next(k for k, edge in enumerate(edges) if edge.ring == ring)
-
-
-def _snapped(at: float) -> float:
-    """Return a parameter at which a stretch begins, where it is one but for rounding."""
-    return float(round(at)) if abs(at - round(at)) <= SAME_BREAK else at
 
 
 def _pair(at: Array | None) -> tuple[float, float] | None:
     return None if at is None else (float(at[0]), float(at[1]))
 
 
-@dataclass(eq=False)
-class _Node:
-    """A place where outlines or creases end.
-
-    Parameters
-    ----------
-    place : (3,) float
-        mm.
-    ends : list of (CreaseEdge, float)
-        Creases that end there, and at which of their parameters.
-    at : dict
-        Where it is on the floor of each zone, (2,).
-    slides : dict
-        On an outline: how far along it that is for each zone, as a parameter.
-    """
-
-    place: Array
-    ends: list[tuple[CreaseEdge, float]] = field(default_factory=list)
-    at: dict[int, Array] = field(default_factory=dict)
-    slides: dict[int, float] = field(default_factory=dict)
-
-
-def _node_at(nodes: dict[int, _Node], place: Array, near: float) -> int:
+def _node_at(nodes: dict[int, Node], place: Array, near: float) -> int:
     """Return the number of the node at a place; a new one counts down from −1."""
     for number, node in nodes.items():
         if np.linalg.norm(node.place - place) <= near:
             return number
     number = -1 - len(nodes)
-    nodes[number] = _Node(place)
+    nodes[number] = Node(place)
     return number
 
 
@@ -342,7 +208,7 @@ class _Joints:
     inward: float
     size: float
 
-    def mitre(self, crease: CreaseEdge, ends: tuple[int, int], nodes: Mapping[int, _Node]) -> Mitre:
+    def mitre(self, crease: CreaseEdge, ends: tuple[int, int], nodes: Mapping[int, Node]) -> Mitre:
         """Return the curve in which floors meet over an edge."""
         low, high = self.curves[crease.edge].range
         own = [self.floors[zone] for zone in crease.zones]
@@ -366,7 +232,7 @@ class _Joints:
         return Mitre(crease, ends, forward, back)
 
     def on_outline(
-        self, node: _Node, edges: tuple[OutlineEdge, OutlineEdge], zones: tuple[int, int]
+        self, node: Node, edges: tuple[OutlineEdge, OutlineEdge], zones: tuple[int, int]
     ) -> None:
         """Find where the walls on both sides of a crease meet on the floors.
 
@@ -397,7 +263,7 @@ class _Joints:
         found = self._met(crease, fold, np.array([shift]))
         node.at = {zone: where[0] for zone, where in zip(crease.zones, found, strict=True)}
 
-    def inside(self, node: _Node) -> dict[int, Array]:
+    def inside(self, node: Node) -> dict[int, Array]:
         """Return where the floors round an end of creases inside an outline meet."""
         zones = sorted({zone for crease, _ in node.ends for zone in crease.zones})
         if len(zones) > MOST_ZONES:
@@ -417,7 +283,7 @@ class _Joints:
         at = np.stack([self._first(z, goal[None], normals[z][None])[0] for z in zones])
         off = np.inf
         for _ in range(ROUNDS):
-            places, slopes = zip(*(self._jet(z, w[None]) for z, w in zip(zones, at)), strict=True)
+            places, slopes = zip(*map(self._jet, zones, at[:, None]), strict=True)
             rest = np.concatenate((places[0][0] - places[1][0], places[0][0] - places[2][0]))
             off = float(np.abs(rest).max())
             if off <= FOUND * self.size:
@@ -453,6 +319,7 @@ class _Joints:
         Parameters
         ----------
         crease : CreaseEdge
+            Between them.
         fold : _Fold
             Its places.
         shifts : (n,) float
