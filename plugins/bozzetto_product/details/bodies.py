@@ -14,14 +14,16 @@ from bozzetto.geometry import sewn
 from bozzetto.plugin import remembered
 from bozzetto.scene import Hits, Layer, Scene, Shaded, cast_rays
 from bozzetto.view import Rays
-from bozzetto_product.details.carve import Form, Near, Thickness, carved, parted
+from bozzetto_product.details.carve import carved, parted
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.course import CROSSES
 from bozzetto_product.details.emblem_places import LOST, hanging_outlines
 from bozzetto_product.details.floor_places import LaidFloor, on_floors
+from bozzetto_product.details.form import Form, Near
 from bozzetto_product.details.ground import (
     Ground,
 )
+from bozzetto_product.details.inset_rings import Thickness
 from bozzetto_product.details.outline_regions import (
     enclosing_first,
     followed_places,
@@ -223,7 +225,7 @@ def _with_detail(
             else:
                 done = parted(shells[which], chart, region[0], near, number)
             shells[which] = done.shell
-            floors += () if done.floor is None else (done.floor,)
+            floors += done.floors
     except UserError as error:
         return replace(made, details=(*made.details, replace(solved, problem=str(error))))
     row = replace(solved, deviation=max((f.floor.deviation for f in floors), default=0.0))

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 STEEPEST: Final = np.cos(np.radians(76.0))
 """Least cosine between a surface under an outline and its chart: beyond it a floor would fold."""
 
+STEPS: Final = 400
+"""Steps towards the axis of a cone."""
+
 GRID: Final = 21
 """Places along each parameter of a surface from which a search begins."""
 
@@ -53,18 +56,24 @@ class Chart:
     def facing(cls, points: Array, normals: Array) -> Chart:
         """Return the chart at the mean of places (n, 3), across the mean of their normals.
 
+        Where that is too far from one of them it is across the axis of the narrowest cone round
+        all, so that an outline may go from a top over its rim down an upright wall.
+
         Raises
         ------
         UserError
             If the surface turns too far from one place to another.
         """
         mean = normals.mean(axis=0)
-        length = float(np.linalg.norm(mean))
-        if length < 1e-6 or float((normals @ mean).min()) < STEEPEST * length:
+        for way in (mean, _axis_of(normals)):
+            length = float(np.linalg.norm(way))
+            if length >= 1e-6 and float((normals @ way).min()) >= STEEPEST * length:
+                break
+        else:
             raise UserError(
                 "The outline goes too far round the shape. Draw it in two parts, each on one side."
             )
-        up = mean / length
+        up = way / length
         x = cross_product(np.eye(3)[int(np.argmin(np.abs(up)))], up)
         x /= np.linalg.norm(x)
         return cls(points.mean(axis=0), np.stack((x, cross_product(up, x), up)))
@@ -81,6 +90,19 @@ class Chart:
     def heights(self, points: Array) -> Array:
         """Return the distances of points from the plane, outward, (n,)."""
         return np.asarray((points - self.origin) @ self.axes[2])
+
+
+def _axis_of(normals: Array) -> Array:
+    """Return about the axis of the narrowest cone round unit vectors, (3,), not of unit length.
+
+    Bădoiu & Clarkson 2003, *Smaller core-sets for balls*, section 3: a step towards the farthest
+    one, each shorter than the last.
+    """
+    axis = normals.mean(axis=0)
+    for number in range(1, STEPS + 1):
+        farthest = normals[int(np.argmin(normals @ axis))]
+        axis = axis + (farthest - axis) / (number + 1.0)
+    return np.asarray(axis)
 
 
 @remembered(

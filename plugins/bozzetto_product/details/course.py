@@ -12,10 +12,7 @@ from bozzetto.errors import UserError
 from bozzetto.geometry import Trim
 from bozzetto_product.details.chart import Chart, parameters_at
 from bozzetto_product.details.ring import Ring
-from bozzetto_product.details.shell import Shell
-
-CREASE: Final = np.cos(np.radians(3.0))
-"""Least cosine between faces over an edge that an outline crosses."""
+from bozzetto_product.details.shell import CREASE, Shell
 
 APART: Final = 1e-7
 """Least difference of parameters t between crossings."""
@@ -88,10 +85,6 @@ class Passage:
 LEAVES: Final = (
     "The outline leaves the surface. Draw it inside, or from border to border for a split."
 )
-CREASED: Final = (
-    "The outline crosses an edge that is a crease: only cuts and splits may. Draw it on one smooth "
-    "surface, or make the edge smooth first."
-)
 CROSSES: Final = (
     "The outline crosses another detail: only cuts and splits may. Draw it inside the other one or "
     "beside it."
@@ -113,7 +106,7 @@ def course_of(
     outward: float,
     start: float = 0.0,
     *,
-    creased: bool = False,
+    walls: bool = False,
 ) -> tuple[Passage, ...]:
     """Return the faces that a ring walks over, in order.
 
@@ -131,8 +124,8 @@ def course_of(
         1 where faces look to the chart, −1 on a far side.
     start : float
         Where it begins: 0 where it is closed. An open one ends at a rim or a crease.
-    creased : bool
-        Whether a closed one may cross creases, and walls of details.
+    walls : bool
+        Whether a closed one may cross walls of details; creases it may.
 
     Raises
     ------
@@ -148,7 +141,7 @@ def course_of(
         row.append(Passage(face, t, ring.end if leave is None else leave.t, entry, leave))
         if leave is None:
             break
-        face, t, entry = _beyond(shell, face, leave, ring.closed, creased), leave.t, leave
+        face, t, entry = _beyond(shell, face, leave, ring.closed, walls), leave.t, leave
         if face < 0:
             break
     if ring.closed and row[-1].face != row[0].face:
@@ -166,7 +159,7 @@ def _begins_on_edge(shell: Shell, chart: Chart, ring: Ring, face: int) -> bool:
     return any(min(one.t, ring.end - one.t) <= NEAR_START * ring.end for one in found)
 
 
-def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool, creased: bool) -> int:
+def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool, walls: bool) -> int:
     """Return the face behind an edge; −1 where a curve from border to border may end there."""
     users = shell.users[crossing.edge]
     others = [(number, trim) for number, trim in users if number != face]
@@ -176,18 +169,16 @@ def _beyond(shell: Shell, face: int, crossing: Crossing, closed: bool, creased: 
         return -1
     own = next(trim for number, trim in users if number == face)
     number, trim = others[0]
-    if not creased and (shell.owners[number].is_wall or shell.owners[face].is_wall):
+    if not walls and (shell.owners[number].is_wall or shell.owners[face].is_wall):
         if closed:
             raise UserError(CROSSES)
         return -1
+    if closed:
+        return number
     at = np.array([crossing.at])
     one = shell.faces[face].surface.normals(*own.curve.value(at).T)[0]
     two = shell.faces[number].surface.normals(*trim.curve.value(at).T)[0]
-    if float(one @ two) < CREASE and not (closed and creased):
-        if closed:
-            raise UserError(CREASED)
-        return -1
-    return number
+    return number if float(one @ two) >= CREASE else -1
 
 
 def _next_crossing(

@@ -27,6 +27,10 @@ NEAR: Final = 2e-6
 MARGIN: Final = 0.04
 """How far a floor reaches beyond its region, as share of the region's extent."""
 
+BEYOND: Final = 1e-4
+"""Weight of places beyond creases, where a floor goes on to meet another one, against those of the
+surfaces."""
+
 STIFF: Final = 1e-9
 """Weight of second differences of control points, which hold where no place is known."""
 
@@ -96,7 +100,9 @@ def offset_of(surfaces: Sequence[BSplineSurface], chart: Chart) -> Offset:
     return places
 
 
-def floor_under(places: Offset, ring: Array, height: float, size: float) -> Floor:
+def floor_under(
+    places: Offset, ring: Array, height: float, size: float, reach: float = 0.0
+) -> Floor:
     """Return the offset of what is inside a ring, by a height along its normals.
 
     Parameters
@@ -109,6 +115,8 @@ def floor_under(places: Offset, ring: Array, height: float, size: float) -> Floo
         mm, outward.
     size : float
         Of the whole, mm.
+    reach : float
+        How far beyond the ring the floor goes on, mm.
 
     Raises
     ------
@@ -119,10 +127,11 @@ def floor_under(places: Offset, ring: Array, height: float, size: float) -> Floo
 
     low, high = ring.min(axis=0), ring.max(axis=0)
     slack = MARGIN * float((high - low).max())
-    low, high = low - slack, high + slack
-    region = shapely.Polygon(ring).buffer(0.25 * slack)
+    low, high = low - slack - reach, high + slack + reach
+    area = shapely.Polygon(ring)
+    region = area.buffer(0.25 * slack + reach)
     draws = np.random.default_rng(SEED).uniform(low, high, (600, 2))
-    probes = np.vstack((draws[shapely.contains_xy(shapely.Polygon(ring), *draws.T)], ring[::3]))
+    probes = np.vstack((draws[shapely.contains_xy(area, *draws.T)], ring[::3]))
     wanted = _lifted(places, probes, height)
     known = np.isfinite(wanted).all(axis=1)
     floor: BSplineSurface | None = None
@@ -131,10 +140,14 @@ def floor_under(places: Offset, ring: Array, height: float, size: float) -> Floo
         count = int(PER_SPAN * spans) + 1
         x, y = (np.linspace(low[k], high[k], count) for k in range(2))
         flat = np.column_stack([grid.ravel() for grid in np.meshgrid(x, y, indexing="ij")])
-        flat = np.vstack((flat[shapely.contains_xy(region, *flat.T)], ring))
+        flat = flat[shapely.contains_xy(region, *flat.T)]
+        weights = np.ones(len(flat) + len(ring))
+        if reach > 0.0:
+            weights[: len(flat)][~shapely.contains_xy(area, *flat.T)] = BEYOND
+        flat = np.vstack((flat, ring))
         lifted = _lifted(places, flat, height)
         there = np.isfinite(lifted).all(axis=1)
-        made = _fitted(flat[there], lifted[there], low, high, spans)
+        made = _fitted(flat[there], lifted[there], weights[there], low, high, spans)
         off = np.linalg.norm(made.value(*probes[known].T) - wanted[known], axis=1)
         if float(off.max()) < deviation:
             floor, deviation = made, float(off.max())
@@ -154,7 +167,9 @@ def _lifted(places: Offset, flat: Array, height: float) -> Array:
     return points + height * normals
 
 
-def _fitted(flat: Array, lifted: Array, low: Array, high: Array, spans: int) -> BSplineSurface:
+def _fitted(
+    flat: Array, lifted: Array, weights: Array, low: Array, high: Array, spans: int
+) -> BSplineSurface:
     """Return the cubic spline surface nearest to points over places, in the least squares sense."""
     from scipy.interpolate import BSpline
     from scipy.linalg import cho_factor, cho_solve
@@ -170,8 +185,9 @@ def _fitted(flat: Array, lifted: Array, low: Array, high: Array, spans: int) -> 
     rows = np.einsum("na,nb->nab", rows_x, rows_y).reshape(len(flat), count * count)
     bend = np.diff(np.eye(count), 2, axis=0)
     bends = np.kron(bend, np.eye(count)), np.kron(np.eye(count), bend)
-    matrix = rows.T @ rows + STIFF * sum(b.T @ b for b in bends)
+    weighted = weights[:, None] * rows
+    matrix = weighted.T @ rows + STIFF * sum(b.T @ b for b in bends)
     matrix += 1e-14 * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
     middle = lifted.mean(axis=0)
-    points = cho_solve(cho_factor(matrix), rows.T @ (lifted - middle)) + middle
+    points = cho_solve(cho_factor(matrix), weighted.T @ (lifted - middle)) + middle
     return BSplineSurface((DEGREE, DEGREE), knots[0], knots[1], points.reshape(count, count, 3))

@@ -15,6 +15,7 @@ from bozzetto_product.details.course import TURNED
 from bozzetto_product.details.floor import Floor, Offset, floor_under, offset_of
 from bozzetto_product.details.joint_edges import Track
 from bozzetto_product.details.ring import Ring
+from bozzetto_product.details.zones import Zone
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +38,17 @@ class Level:
     rings: tuple[Ring, ...] = ()
 
 
+Ends = tuple[tuple[float, float] | None, tuple[float, float] | None]
+"""Where the foot of a part of an outline begins and ends, as u and v; None where a level says."""
+
+
 def track_on_floor(
-    level: Level, number: int, count: int, start: float, end: float, over: BSplineSurface
+    level: Level,
+    number: int,
+    count: int,
+    run: tuple[float, float],
+    over: BSplineSurface,
+    ends: Ends = (None, None),
 ) -> Track:
     """Return the curve on the floor under a part of an outline.
 
@@ -48,10 +58,14 @@ def track_on_floor(
     assert level.floor is not None
     places = level.places
     assert places is not None
+    start, end = run
     # At the end of a stretch it is that stretch whose offset counts, not the next one's.
     last = end - 1e-12 * max(1.0, abs(end))
     nodes = np.array((start, 0.0 if end == float(count) else end))
     agreed = places(number, nodes, None)
+    for row, told in enumerate(ends):
+        if told is not None:
+            agreed[row] = told
     off = agreed - places(number, np.array((start, last)), over)
 
     def parameters(t: Array) -> Array:
@@ -95,6 +109,43 @@ def floor_level(
         offset = offset_of((*first, *(one for one in surfaces if one is not over)), chart)
         targets = inset_points(chart, offset, rings[number], t, reach, height)
         return floor.nearest(targets, rings[number].value(t))
+
+    return Level(floor, places)
+
+
+def zone_level(
+    zone: Zone, rings: Sequence[Ring], height: float, inward: float, size: float, reach: float
+) -> Level:
+    """Return the floor of a zone between creases, and where walls meet it.
+
+    Walls lean on the floor itself, which is smooth, and goes on beyond the zone: over a crease the
+    feet of walls slide along their own course.
+
+    Parameters
+    ----------
+    zone : Zone
+        What the floor is the offset of.
+    rings : sequence of Ring
+        The outer outline first.
+    height, inward : float
+        Of the floor, outward, and by which it is smaller, mm.
+    size : float
+        Of the whole, mm.
+    reach : float
+        How far the floor goes on beyond the zone, mm.
+    """
+    floor = floor_under(zone.offset, zone.outline, height, size, reach)
+    surface = floor.surface
+
+    def on_floor(flat: Array) -> tuple[Array, Array]:
+        return surface.value(*flat.T), surface.normals(*flat.T)
+
+    def places(number: int, t: Array, over: BSplineSurface | None) -> Array:
+        flat = rings[number].value(t)
+        if inward == 0.0:
+            return flat
+        targets = inset_points(zone.chart, on_floor, rings[number], t, inward, 0.0)
+        return floor.nearest(targets, flat)
 
     return Level(floor, places)
 

@@ -414,6 +414,29 @@ def tangent_axes(at: Array, up: Array, grounds: Sequence[Ground]) -> tuple[Array
     return middle, np.stack((cross_product(y, normal), y, normal))
 
 
+def corners_on(grounds: Sequence[Ground], row: Array) -> Flags:
+    """Return which points of a closed polygon on surfaces, (n, 3), are corners.
+
+    What goes over an edge of the surfaces turns with them; whether it has a corner there is seen
+    when the sides before and behind the edge are laid in one plane.
+    """
+    marks = polygon_corners(row)
+    if not grounds or not marks.any():
+        return marks
+    here = located(grounds, row).normals
+    there = np.roll(here, -1, axis=0)
+    into = row - np.roll(row, 1, axis=0)
+    behind = np.roll(row, -2, axis=0) - np.roll(row, -1, axis=0)
+    # The least rotation from one normal to the other (Rodrigues), the other way round.
+    axis, cosine = cross_product(there, here), (here * there).sum(axis=1)[:, None]
+    turned = cosine * behind + cross_product(axis, behind)
+    turned += axis * (axis * behind).sum(axis=1)[:, None] / (1.0 + np.maximum(cosine, -0.99))
+    lengths = np.linalg.norm(into, axis=1) * np.linalg.norm(turned, axis=1)
+    straight = (into * turned).sum(axis=1) > np.cos(CORNER) * lengths
+    over = (cosine[:, 0] < np.cos(SHARP)) & straight
+    return np.asarray(marks & ~(over | np.roll(over, 1)))
+
+
 def polygon_corners(row: Array) -> Flags:
     """Return which points of a closed polygon, (n, d), are corners and not steps of a curve."""
     into = row - np.roll(row, 1, axis=0)

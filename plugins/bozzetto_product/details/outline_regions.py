@@ -11,10 +11,10 @@ import numpy as np
 from bozzetto.arrays import Array, Flags, Index
 from bozzetto.errors import UserError
 from bozzetto.plugin import remembered
-from bozzetto_product.details.carve import Near
 from bozzetto_product.details.chart import Chart
 from bozzetto_product.details.emblem_places import emblem_outlines
 from bozzetto_product.details.floor_places import LaidFloor, on_floors
+from bozzetto_product.details.form import Near
 from bozzetto_product.details.ground import (
     FollowedOutline,
     Ground,

@@ -11,15 +11,15 @@ import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.errors import UserError
-from bozzetto.geometry import BSplineSurface, Face, ParameterCurve, Trim
+from bozzetto.geometry import BSplineSurface, Face, ParameterCurve
 from bozzetto.plugin import remembered
 from bozzetto_product.details.chart import Chart, parameters_at
-from bozzetto_product.details.course import CREASE, CREASED, CROSSES, SHORT, TURNED, Passage
+from bozzetto_product.details.course import CROSSES, SHORT, TURNED, Passage
 from bozzetto_product.details.face_cuts import Chord, cut_face, ring_of
 from bozzetto_product.details.joint_edges import FittedEdge, Track, fitted_edges
-from bozzetto_product.details.levels import Level, track_on_floor
+from bozzetto_product.details.levels import Ends, Level, track_on_floor
 from bozzetto_product.details.ring import Ring
-from bozzetto_product.details.shell import Owner, Shell
+from bozzetto_product.details.shell import Owner, Shell, is_smooth
 
 SAME_BREAK: Final = 1e-6
 """Least difference of parameters between ends of edges of an outline."""
@@ -37,6 +37,21 @@ class OutlineEdge:
     end: float
     top: FittedEdge
     bottom: FittedEdge | None
+
+
+@dataclass(frozen=True, eq=False)
+class Seat:
+    """What the wall of one edge of an outline ends in.
+
+    Parameters
+    ----------
+    level : Level, optional
+    ends : (start, end)
+        Where on the floor it begins and ends, as u and v; None where the level says so.
+    """
+
+    level: Level | None
+    ends: Ends = (None, None)
 
 
 def first_face(shell: Shell, chart: Chart, place: Array, near: Array, outward: float) -> int:
@@ -96,18 +111,11 @@ def region_faces(
                     continue
                 net = chart.flat(shell.faces[other].surface.control_points.reshape(-1, 3))
                 apart = (net.max(axis=0) < low).any() or (net.min(axis=0) > high).any()
-                if apart or not (creased or _is_smooth(shell, number, trim, other, side)):
+                if apart or not (creased or is_smooth(shell, number, trim, other, side)):
                     continue
                 found.add(other)
                 waiting.append(other)
     return tuple(sorted(found))
-
-
-def _is_smooth(shell: Shell, one: int, trim: Trim, other: int, side: Trim) -> bool:
-    at = np.array([np.mean(trim.curve.range)])
-    first = shell.faces[one].surface.normals(*trim.curve.value(at).T)[0]
-    second = shell.faces[other].surface.normals(*side.curve.value(at).T)[0]
-    return bool(first @ second >= CREASE)
 
 
 # -- outlines as edges -------------------------------------------------------------------------
@@ -120,9 +128,13 @@ def outline_edges(
     courses: Sequence[Sequence[Passage]],
     level: Level | None,
     far: Sequence[Sequence[Passage]],
+    seats: Sequence[Seat] = (),
 ) -> tuple[OutlineEdge, ...]:
-    """Return the edges of outlines, cut wherever they pass from face to face."""
-    made = []
+    """Return the edges of outlines, cut wherever they pass from face to face.
+
+    Walls end in a level, or where each edge has one of its own, in that.
+    """
+    made: list[OutlineEdge] = []
     for number, (ring, course) in enumerate(zip(rings, courses, strict=True)):
         places = [float(k) for k in range(len(ring.stretches) + 1)]
         first, last = course[0].start, course[-1].end
@@ -135,7 +147,9 @@ def outline_edges(
             middle = 0.5 * (start + end)
             over = shell.faces[_at(course, middle)].surface
             under = shell.faces[_at(far[number], middle)].surface if far else None
-            edge = _edge(chart, ring, number, start, end, over, level, under, shell.size)
+            own = seats[len(made)] if seats else Seat(level)
+            run = (start, end)
+            edge = _edge(chart, ring, number, run, over, own.level, own.ends, under, shell.size)
             top = _met(shell, course, start, end, edge.top)
             bottom = edge.bottom
             if far and bottom is not None:
@@ -192,10 +206,10 @@ def _edge(
     chart: Chart,
     ring: Ring,
     number: int,
-    start: float,
-    end: float,
+    run: tuple[float, float],
     over: BSplineSurface,
     level: Level | None,
+    ends: Ends,
     under: BSplineSurface | None,
     size: float,
 ) -> OutlineEdge:
@@ -207,9 +221,9 @@ def _edge(
     if under is not None and level is not None:
         tracks.append(_track_over(under, chart, level.rings[number], -1.0))
     elif level is not None and level.floor is not None:
-        tracks.append(track_on_floor(level, number, len(ring.stretches), start, end, over))
-    fitted = fitted_edges(tracks, start, end, size)
-    return OutlineEdge(number, start, end, fitted[0], fitted[1] if len(fitted) > 1 else None)
+        tracks.append(track_on_floor(level, number, len(ring.stretches), run, over, ends))
+    fitted = fitted_edges(tracks, *run, size)
+    return OutlineEdge(number, *run, fitted[0], fitted[1] if len(fitted) > 1 else None)
 
 
 def _track_over(surface: BSplineSurface, chart: Chart, ring: Ring, outward: float) -> Track:
@@ -252,7 +266,7 @@ def cut_shell(
     far: Sequence[Sequence[Passage]],
     *,
     closed: bool = True,
-    creased: bool = False,
+    walls: bool = False,
 ) -> CutShell:
     """Return the shell with its faces cut along outlines.
 
@@ -266,8 +280,8 @@ def cut_shell(
         The faces under the outlines, and on the far side of the body.
     closed : bool
         Whether the outlines are closed; else the smaller part of the patches is inside.
-    creased : bool
-        Whether creases may lie inside.
+    walls : bool
+        Whether walls of details may lie inside.
     """
     cuts: dict[int, list[float]] = {}
     for course in (*courses, *far):
@@ -295,7 +309,7 @@ def cut_shell(
         owners += [owner] * len(row)
     whole = Shell((*split.edges, *new), tuple(faces), tuple(owners))
     if closed:
-        inside = _inside(whole, set(tops), set(bottoms), creased=creased)
+        inside = _inside(whole, set(tops), set(bottoms), walls=walls)
     else:
         inside = _lesser(whole, set(tops))
     return CutShell(whole, tops, bottoms, inside)
@@ -320,13 +334,13 @@ def _add_chords(
         chords.setdefault(passage.face, []).append(chord)
 
 
-def _inside(shell: Shell, tops: set[int], bottoms: set[int], *, creased: bool) -> frozenset[int]:
+def _inside(shell: Shell, tops: set[int], bottoms: set[int], *, walls: bool) -> frozenset[int]:
     """Return faces on the left of outlines, as the chart sees them, and all between.
 
     Raises
     ------
     UserError
-        If inside and outside hang together, or a crease lies inside that may not.
+        If inside and outside hang together, or a wall lies inside that may not.
     """
     found: set[int] = set()
     outside: set[int] = set()
@@ -335,7 +349,7 @@ def _inside(shell: Shell, tops: set[int], bottoms: set[int], *, creased: bool) -
             if trim.edge in tops or trim.edge in bottoms:
                 left = trim.forward == (trim.edge in tops)
                 (found if left else outside).add(number)
-    found = flooded(shell, tops | bottoms, found, creased=creased)
+    found = flooded(shell, tops | bottoms, found, walls=walls)
     if found & outside:
         raise UserError(TURNED)
     return frozenset(found)
@@ -378,7 +392,7 @@ def _area(face: Face) -> float:
 
 
 def flooded(
-    shell: Shell, walls: set[int], first: Iterable[int] = (), *, creased: bool = False
+    shell: Shell, border: set[int], first: Iterable[int] = (), *, walls: bool = False
 ) -> set[int]:
     """Return faces that hang together with given ones, up to certain edges.
 
@@ -386,21 +400,21 @@ def flooded(
     ----------
     shell : Shell
         What they belong to.
-    walls : set of int
+    border : set of int
         Edges that are not crossed.
     first : iterable of int
         Where to begin; by default beside these edges, but on no wall.
-    creased : bool
-        Whether creases and walls are crossed.
+    walls : bool
+        Whether walls of details are crossed.
 
     Raises
     ------
     UserError
-        If a crease or a detail lies between them.
+        If a detail lies between them.
     """
     found = set(first) or {
         number
-        for edge in walls
+        for edge in border
         for number, _ in shell.users[edge]
         if not shell.owners[number].is_wall
     }
@@ -408,15 +422,13 @@ def flooded(
     while waiting:
         number = waiting.pop()
         for trim in shell.faces[number].trims:
-            if trim.edge is None or trim.edge in walls:
+            if trim.edge is None or trim.edge in border:
                 continue
-            for other, side in shell.users[trim.edge]:
+            for other, _ in shell.users[trim.edge]:
                 if other in found:
                     continue
-                if not creased and shell.owners[other].is_wall:
+                if not walls and shell.owners[other].is_wall:
                     raise UserError(CROSSES)
-                if not (creased or _is_smooth(shell, number, trim, other, side)):
-                    raise UserError(CREASED)
                 found.add(other)
                 waiting.append(other)
     return found

@@ -34,10 +34,13 @@ class Ring:
         second.
     closed : bool
         Whether the last stretch ends where the first begins.
+    folds : frozenset of int
+        Stretches that begin at a crease: a turn there is none on the surface.
     """
 
     stretches: tuple[Spline, ...]
     closed: bool = True
+    folds: frozenset[int] = frozenset()
 
     @property
     def end(self) -> float:
@@ -77,7 +80,7 @@ class Ring:
         """The turn at the start of each stretch, radians, left positive; 0 where it is smooth."""
         turns = []
         for number in range(len(self.stretches)):
-            if number == 0 and not self.closed:
+            if number in self.folds or (number == 0 and not self.closed):
                 turns.append(0.0)
                 continue
             (x, y), (p, q) = self.ends_of(number - 1)[1], self.ends_of(number)[0]
@@ -146,11 +149,13 @@ class Ring:
     def moved(self, step: Array) -> Ring:
         """Return the ring moved in the plane."""
         rows = [Spline(s.knots, s.control_points + step, s.closed) for s in self.stretches]
-        return Ring(tuple(rows), self.closed)
+        return Ring(tuple(rows), self.closed, self.folds)
 
     def reversed(self) -> Ring:
         """Return the ring run the other way."""
-        return Ring(tuple(s.reversed() for s in reversed(self.stretches)), self.closed)
+        count = len(self.stretches)
+        folds = frozenset((count - number) % count for number in self.folds)
+        return Ring(tuple(s.reversed() for s in reversed(self.stretches)), self.closed, folds)
 
 
 def ring_through(points: Array, corners: Flags, *, closed: bool = True) -> Ring:

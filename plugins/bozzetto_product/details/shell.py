@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -12,6 +12,9 @@ import numpy as np
 from bozzetto.geometry import Brep, Curve, Face, Mesh, ParameterCurve, Trim, shaded_faces
 from bozzetto.plugin import cached_property, remembered
 from bozzetto_product.details.floor import Floor
+
+CREASE: Final = np.cos(np.radians(3.0))
+"""Least cosine between faces that meet smoothly over an edge."""
 
 COARSE: Final = 2e-4
 """Distance of shown triangles from the surface, as share of the size of the whole."""
@@ -115,6 +118,32 @@ class Shell:
             edges += parts
         faces = tuple(_with_pieces(face, pieces) for face in self.faces)
         return Shell(tuple(edges), faces, self.owners), pieces
+
+
+def is_smooth(shell: Shell, one: int, trim: Trim, other: int, side: Trim) -> bool:
+    """Whether two faces meet smoothly in the middle of an edge, a side of each."""
+    at = np.array([np.mean(trim.curve.range)])
+    first = shell.faces[one].surface.normals(*trim.curve.value(at).T)[0]
+    second = shell.faces[other].surface.normals(*side.curve.value(at).T)[0]
+    return bool(first @ second >= CREASE)
+
+
+def owned(shell: Shell, faces: Collection[int], number: int) -> Shell:
+    """Return the shell with faces coloured by a detail, but for walls."""
+    owners = [
+        replace(owner, detail=number) if k in faces and not owner.is_wall else owner
+        for k, owner in enumerate(shell.owners)
+    ]
+    return replace(shell, owners=tuple(owners))
+
+
+def is_crease(shell: Shell, edge: int) -> bool:
+    """Whether two faces meet at an edge, and not smoothly."""
+    users = shell.users[edge]
+    if len(users) != 2:
+        return False
+    (one, first), (other, second) = users
+    return not is_smooth(shell, one, first, other, second)
 
 
 @remembered(limit=8, key=lambda shell: shell)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from bozzetto.geometry import BSplineSurface, Curve, Face, ParameterCurve, Trim
 from bozzetto_product.details.floor import Floor
 from bozzetto_product.details.joint_edges import DEGREE
+from bozzetto_product.details.mitres import Mitre
 from bozzetto_product.details.region import CutShell, OutlineEdge
 from bozzetto_product.details.shell import Owner, Shell
 
@@ -18,19 +19,55 @@ LINE: Final = np.array((0.0, 0.0, 1.0, 1.0))
 """Knots of a straight line."""
 
 
+@dataclass(frozen=True, eq=False)
+class FloorFace:
+    """A floor within loops.
+
+    Parameters
+    ----------
+    floor : Floor
+    loops : tuple of tuple of (bool, int, bool)
+        Of each side: whether it is the foot of an outline's edge, else a mitre; its number, and
+        whether it is run forward.
+    """
+
+    floor: Floor
+    loops: tuple[tuple[tuple[bool, int, bool], ...], ...]
+
+
+def whole_floor(edges: Sequence[OutlineEdge], floor: Floor) -> FloorFace:
+    """Return one floor within all outlines."""
+    rings = sorted({edge.ring for edge in edges})
+    return FloorFace(
+        floor,
+        tuple(
+            tuple((True, k, True) for k, edge in enumerate(edges) if edge.ring == ring)
+            for ring in rings
+        ),
+    )
+
+
 def with_walls(
-    cut: CutShell, edges: Sequence[OutlineEdge], floor: Floor | None, owner: Owner
+    cut: CutShell,
+    edges: Sequence[OutlineEdge],
+    floors: Sequence[FloorFace],
+    owner: Owner,
+    mitres: Sequence[Mitre] = (),
 ) -> Shell:
-    """Return a shell whose region is gone, with walls down to a floor or to the far side."""
+    """Return a shell whose region is gone, with walls down to floors or to the far side.
+
+    Floors are its last faces, in their order.
+    """
     shell = cut.shell
     curves = list(shell.edges)
     bottoms = list(cut.bottoms)
-    if floor is not None:
+    if floors:
         bottoms = list(range(len(curves), len(curves) + len(edges)))
         curves += [edge.bottom.curve for edge in edges if edge.bottom is not None]
+    folds = range(len(curves), len(curves) + len(mitres))
+    curves += [mitre.forward.curve for mitre in mitres]
     faces = [face for k, face in enumerate(shell.faces) if k not in cut.inside]
     owners = [own for k, own in enumerate(shell.owners) if k not in cut.inside]
-    loops: list[tuple[Trim, ...]] = []
     for ring in sorted({edge.ring for edge in edges}):
         own = [k for k, edge in enumerate(edges) if edge.ring == ring]
         uprights = []
@@ -43,16 +80,19 @@ def with_walls(
             after = uprights[(place + 1) % len(own)]
             faces.append(_wall(curves, cut.tops[k], bottoms[k], uprights[place], after))
             owners.append(owner)
-        if floor is not None:
-            loops.append(
-                tuple(
-                    Trim(bottoms[k], True, edges[k].bottom.path)  # type: ignore[union-attr]
-                    for k in own
-                )
-            )
-    if floor is not None:
-        faces.append(Face(floor.surface, tuple(loops)))
-        owners.append(replace(owner, floor=floor))
+
+    def side(is_foot: bool, number: int, forward: bool) -> Trim:
+        if not is_foot:
+            fitted = mitres[number].forward if forward else mitres[number].back
+            return Trim(folds[number], forward, fitted.path)
+        foot = edges[number].bottom
+        assert foot is not None
+        return Trim(bottoms[number], forward, foot.path)
+
+    for piece in floors:
+        loops = tuple(tuple(side(*one) for one in loop) for loop in piece.loops)
+        faces.append(Face(piece.floor.surface, loops))
+        owners.append(replace(owner, floor=piece.floor))
     return Shell(tuple(curves), tuple(faces), tuple(owners))
 
 

@@ -26,9 +26,9 @@ from bozzetto_product.details.emblem_places import anchored
 from bozzetto_product.details.ground import Ground
 from bozzetto_product.details.outline_places import (
     NO_SURFACE,
+    corners_on,
     laid_flat,
     places_of_points,
-    polygon_corners,
 )
 from bozzetto_product.hand_over.colors import a_color
 from bozzetto_product.hand_over.point_noise import SAME
@@ -90,7 +90,7 @@ def with_details(
             continue
         name = detail.name or state.unused_name("Detail")
         outlines = _outlines(values, where, scale, grounds)
-        corners = [polygon_corners(outline) for outline in outlines]
+        corners = [corners_on(grounds, row) for row in outlines]
         places = places_of_points(outlines, corners, grounds, name)
         made = replace(detail, id=state.unused_id(), name=name, places=places)
         state = state.with_node(made)

@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
+from bozzetto.arrays import Array
 from bozzetto.errors import UserError
 from bozzetto.ink import Stroke, Strokes
 from bozzetto.plugin import Context, Ink, Job, NextStep, override
@@ -13,6 +16,7 @@ from bozzetto_product.details.bodies import DetailedBodies
 from bozzetto_product.details.outline_places import NO_SURFACE, places_of_ink
 from bozzetto_product.model.details import Detail
 from bozzetto_product.model.patches import Patch
+from bozzetto_product.model.planes import Plane
 from bozzetto_product.model.state import ProductState
 from bozzetto_product.solve.canvas import NOTHING, Sources
 from bozzetto_product.solve.paper_surfacing import UNCARVED
@@ -31,6 +35,7 @@ class DrawDetail(ProductTool):
     """Draws the outline of a detail on the surface under the pen.
 
     A detail takes kind, depth, draft angle and gap from the chosen detail, or else the last one.
+    While *Draw symmetric* is on it has a mirror image, unless it lies across the plane.
     """
 
     id = "detail"
@@ -87,14 +92,14 @@ def with_detail_drawn(
     model = state.chosen_of(Detail) or next(reversed(state.of_kind(Detail)), None)
     if model is None:
         depth, gap = (float(f"{share * result.size:.2g}") for share in (DEPTH, GAP))
-        model = Detail(depth=depth, gap=gap, mirrored=False)
+        model = Detail(depth=depth, gap=gap)
     detail = Detail(
         state.unused_id(),
         state.unused_name("Detail"),
         strokes=Strokes(strokes),
         places=places,
         closed=closed,
-        mirrored=model.mirrored,
+        mirrored=state.mirror and _is_beside(state.symmetry, places.points),
         kind=model.kind if closed else "split",
         depth=model.depth,
         draft=model.draft,
@@ -103,6 +108,12 @@ def with_detail_drawn(
         finish=model.finish,
     )
     return replace(state.with_node(detail), selected=detail.id)
+
+
+def _is_beside(plane: Plane, points: Array) -> bool:
+    """Whether all points, (n, 3), are on one side of a plane."""
+    heights = (points - plane.point) @ np.asarray(plane.normal)
+    return bool((heights > 0.0).all() or (heights < 0.0).all())
 
 
 def plain_result(state: ProductState, sources: Sources) -> ProductResult:

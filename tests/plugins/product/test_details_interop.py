@@ -75,3 +75,17 @@ def test_opencascade_reads_what_lies_on_a_floor_and_cuts_over_its_rim(tmp_path, 
     assert (answer["solids"], answer["shells"]) == (1, 1)
     assert answer["faces"] == len(solid.exact.faces)
     assert answer["volume"] == pytest.approx(manifold(solid.mesh).volume(), rel=1e-3)
+
+
+@pytest.mark.parametrize("draft", [0.0, 4.0])
+@pytest.mark.parametrize("kind", ["in", "raised", "button"])
+def test_opencascade_reads_floors_that_meet_over_an_edge(tmp_path, kind, draft):
+    _, (solid,) = solved(box(), kind=kind, gap=0.5, draft=draft, outlines=[over_edge()])
+    path = tmp_path / "a.step"
+    export(Shapes(solids=(solid,)), path)
+    said, answer = ask(OPENCASCADE, path)
+    assert messages(said) == []
+    assert answer["valid"]
+    assert (answer["solids"], answer["shells"]) == (1, 1)
+    assert answer["faces"] == len(solid.exact.faces)
+    assert answer["volume"] == pytest.approx(manifold(solid.mesh).volume(), rel=1e-3)

@@ -64,14 +64,6 @@ def test_a_split_over_a_crease_colours_both_sides_and_changes_no_shape() -> None
     assert np.abs(areas).sum(axis=0) == pytest.approx([0.0, half, half], rel=5e-3, abs=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["in", "raised", "button"])
-def test_what_has_a_floor_is_refused_over_a_crease(kind: str) -> None:
-    result, (solid,) = solved(box(), kind=kind, gap=0.5, outlines=[over_edge()])
-    (detail,) = result.detailed.details
-    assert "only cuts and splits" in detail.problem
-    assert volume(solid) == pytest.approx(240_000.0, rel=1e-6)
-
-
 @pytest.mark.parametrize("kind", ["in", "raised", "button", "cut", "split"])
 @pytest.mark.parametrize("middle", [(-12.0, 0.0), (0.0, 0.0), (0.0, 12.0)])
 def test_an_outline_may_begin_on_an_edge(kind: str, middle: tuple[float, float]) -> None:
