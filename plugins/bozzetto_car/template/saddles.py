@@ -62,7 +62,13 @@ class Missing(Protocol):
 
 
 def bent_one_way(
-    nets: Array, free: tuple[int, ...], ways: Array, form: Array, creases: Missing
+    nets: Array,
+    free: tuple[int, ...],
+    ways: Array,
+    form: Array,
+    creases: Missing,
+    *,
+    gently: bool = False,
 ) -> Array:
     """Return how far control points move for least saddles, (n,).
 
@@ -78,6 +84,9 @@ def bent_one_way(
         The variation by the unknowns, from its least, is half of this form; it is positive.
     creases : Missing
         What creases between the patches should have.
+    gently : bool
+        Whether saddles that have just come to be count for nothing, and for half at `SHALLOW`. The
+        few steps then lead to patches that leap less when lines turn with them.
     """
     count = len(form)
     begun = nets.reshape(-1, 16, 3)
@@ -89,6 +98,8 @@ def bent_one_way(
         now[:, list(free)] += (by_point @ moved).reshape(-1, len(free), 3)
         depths, slopes, areas = _saddles(now, free)
         loss = 1.0 / np.sqrt(1.0 + (depths * (size / SHALLOW)) ** 2)
+        if gently:
+            loss *= depths / (depths + SHALLOW / size)
         weights = WEIGHT * areas.mean(axis=1, keepdims=True) * areas / len(areas[0]) * loss
         rows = (slopes.reshape(*depths.shape, -1) @ by_point).reshape(depths.size, count)
         weighted = rows.T * weights.ravel()
