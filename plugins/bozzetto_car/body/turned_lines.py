@@ -40,8 +40,8 @@ there are a little more of them (9.6 and 12.1 % of the area of two sets of cars,
 and lines leap a third as far while nodes move."""
 
 WIDEST: Final = 174.0
-"""Largest angle of two edges at a corner of a patch in the end, degrees: no edge bends twice for the
-margin that corners have before (`fair_lines.WIDEST`)."""
+"""Largest angle of two edges at a corner of a patch in the end, degrees. No edge is bent twice
+again for the margin that corners have before (`fair_lines.WIDEST`)."""
 
 ALL: Final = tuple(range(16))
 """Numbers of all control points of a net."""

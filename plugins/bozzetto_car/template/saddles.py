@@ -7,12 +7,12 @@ normals of their corners, and those of lines where these may turn (`body.turned_
     V + w Σ a² ρ(s) + c Σ m²,    s = k₁ k₂ / (k₂ - k₁) where k₁ k₂ < 0, else 0
 
 is least: V is the variation of `fair_patches`, the first sum goes over places of all patches, and
-m is what creases miss (`weak_creases`; `crease_angles` where lines turn). s is half the harmonic mean of the two curvatures of a
-saddle, so about the smaller one. ρ is the pseudo-Huber loss (Charbonnier et al. 1997,
-"Deterministic edge-preserving regularization in computed imaging"), with which it is the area of
-saddles that counts, and hardly their depth: what lines force stays, and is not made up for
-elsewhere. The least is found by steps of Gauss and Newton's method with iterated weights; their
-number is fixed, so that a body that moves a little has patches that move a little.
+m is what creases miss (`weak_creases`; `crease_angles` where lines turn). s is half the harmonic
+mean of the two curvatures of a saddle, so about the smaller one. ρ is the pseudo-Huber loss
+(Charbonnier et al. 1997, "Deterministic edge-preserving regularization in computed imaging"), with
+which it is the area of saddles that counts, and hardly their depth: what lines force stays, and is
+not made up for elsewhere. The least is found by steps of Gauss and Newton's method with iterated
+weights; their number is fixed, so that a body that moves a little has patches that move a little.
 """
 
 from __future__ import annotations
