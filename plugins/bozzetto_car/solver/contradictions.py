@@ -2,8 +2,8 @@
 
 Where one sketch shows another roof than the others, say, the car lies between and none of them is
 met. Whether that is so is a comparison of models: all sketches show one car, or one of them shows
-a car of its own. The evidence of marks (`hyperparameters`) tells how likely each is, with hands that
-tremble or bend as they may; so sketches of an unsteady hand contradict nobody.
+a car of its own. The evidence of marks (`hyperparameters`) tells how likely each is, with hands
+that tremble or bend as they may; so sketches of an unsteady hand contradict nobody.
 """
 
 from __future__ import annotations
