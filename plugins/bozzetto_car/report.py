@@ -285,10 +285,10 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
         problems = (f"{p.sketch.name}: {p.problem}" for p in solved.placed.values() if p.problem)
         why = next(problems, "Mark more nodes of a sketch.")
         yield Caution(f"{NO_CAMERA} {why}", baseless=True)
-    other = contradiction_of(solved)
-    if other is not None:
-        name, nodes = solved.placed[other.sketch].sketch.name, ", ".join(other.nodes)
-        yield Caution(CONTRADICTS.format(name, other.together, other.without, nodes))
+    odd = contradiction_of(solved)
+    if odd is not None:
+        name, nodes = solved.placed[odd.sketch].sketch.name, ", ".join(odd.nodes)
+        yield Caution(CONTRADICTS.format(name, odd.together, odd.without, nodes))
     for placed in solved.placed.values():
         name = placed.sketch.name
         if placed.problem and solved.solid:

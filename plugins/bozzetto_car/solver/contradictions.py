@@ -18,9 +18,10 @@ import numpy as np
 from bozzetto.arrays import Array
 from bozzetto.plugin import remembered
 from bozzetto_car.solver.bundle_adjustment import JointSolution, solve
-from bozzetto_car.solver.evidence import Cost, linear_sketch
+from bozzetto_car.solver.evidence import linear_sketch
 from bozzetto_car.solver.hyperparameters import Weights
 from bozzetto_car.solver.pipeline import Solved
+from bozzetto_car.solver.prior import Cost
 
 MISSED: Final = 0.002
 """Distance of marks, rms, in diagonals of their pictures, up to which a car is met by its sketches,
