@@ -83,7 +83,7 @@ def with_fewer_saddles(network: Network) -> Network:
     numbers = zip(ends.edges.tolist(), ends.ends.tolist(), strict=True)
     turned = with_tangents(network, dict(zip(numbers, made, strict=True)))
     sided = opened(with_creases_of_one_side(straightened(turned)))
-    return opened(straightened(sided), WIDEST)
+    return with_creases_of_one_side(opened(straightened(sided), WIDEST))
 
 
 @dataclass(frozen=True, eq=False)
