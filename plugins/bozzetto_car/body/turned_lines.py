@@ -33,11 +33,10 @@ from bozzetto_car.template.model import Template
 from bozzetto_car.template.network import HANDLE, KNOWN, Network, with_tangents
 from bozzetto_car.template.saddles import bent_one_way
 
-WEIGHT: Final = 10.0
-"""Weight W of what lines bend, relative to the variation of patches. Of 1, 3, 10, 30 and 100 the
-one with which fewest kinds of 30 solved cars had saddles on more than 15 % of their area. With 20
-there are a little more of them (9.6 and 12.1 % of the area of two sets of cars, 8.7 and 11.4 here)
-and lines leap a third as far while nodes move."""
+WEIGHT: Final = 20.0
+"""Weight W of what lines bend, relative to the variation of patches. With 10 there are a little
+fewer saddles (solved cars of two sets of seeds: 8.7 and 11.4 % of the area, 9.6 and 12.1 with 20),
+but lines leap three times as far while nodes move, and CAD offsets fewer bodies."""
 
 WIDEST: Final = 174.0
 """Largest angle of two edges at a corner of a patch in the end, degrees. No edge is bent twice
