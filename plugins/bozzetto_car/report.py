@@ -18,6 +18,7 @@ from bozzetto_car.body.wheels import RIM, WIDTH, Proportions, on_tyres
 from bozzetto_car.camera.rational_projection import camera_matrix
 from bozzetto_car.camera.sketch_camera import SketchCamera
 from bozzetto_car.marking.next_mark import NO_CAR
+from bozzetto_car.solver.contradictions import contradiction_of
 from bozzetto_car.solver.initial_cameras import Placed, counted_marks
 from bozzetto_car.solver.template_ranking import likelier_template
 from bozzetto_car.solver.uncertainty import certainty, further_views
@@ -26,6 +27,11 @@ from bozzetto_car.template.crease_sides import turning_creases
 TURNING: Final = (
     "The body bulges at one end and is hollow at the other along {}. CAD may not be able to offset "
     "it there: trace an edge beside these, or switch “Fair lines” on."
+)
+
+CONTRADICTS: Final = (
+    "{} contradicts the other sketches: all marks together are missed by {:.0f} px, and without it "
+    "by {:.0f} px. Look at its marks {}, or hide it."
 )
 
 FIGURES: Final[Mapping[str, Figure]] = {
@@ -86,6 +92,8 @@ def report_of(body: Body, edits: Edits, job: Job, tyre: str = "") -> dict[str, A
         ``"crease_deg"`` by edge; ``"dimensions"``: ``LN``, ``WD``, ``HG``, ``FO``, ``WB``, mm;
         ``"wheels"``: ``"front"`` and ``"rear"``, each with ``"diameter"``, ``"width"`` and
         ``"rim"``, mm;
+        ``"contradiction"``, only where a sketch contradicts the others: ``"view"``, its name,
+        ``"together_px"``, ``"without_px"`` and ``"nodes"`` (`contradiction_of`);
         ``"known"``: by node ``"seen"``, ``"mirrored"`` or ``"guessed"``; ``"next_view"``: the
         further sketch that would tell most; ``"warnings"``.
     """
@@ -115,6 +123,14 @@ def report_of(body: Body, edits: Edits, job: Job, tyre: str = "") -> dict[str, A
         if views:
             report["next_view"] = {"view": views[0].name, "now_mm": views[0].before,
                                  "after_mm": views[0].after}  # fmt: skip
+    contradiction = contradiction_of(solved)
+    if contradiction is not None:
+        report["contradiction"] = {
+            "view": solved.placed[contradiction.sketch].sketch.name,
+            "together_px": contradiction.together,
+            "without_px": contradiction.without,
+            "nodes": list(contradiction.nodes),
+        }
     report["warnings"] = [caution.message for caution in cautions_of(body)]
     return report
 
@@ -269,6 +285,10 @@ def _input_not_used(body: Body) -> Iterator[Caution]:
         problems = (f"{p.sketch.name}: {p.problem}" for p in solved.placed.values() if p.problem)
         why = next(problems, "Mark more nodes of a sketch.")
         yield Caution(f"{NO_CAMERA} {why}", baseless=True)
+    odd = contradiction_of(solved)
+    if odd is not None:
+        name, nodes = solved.placed[odd.sketch].sketch.name, ", ".join(odd.nodes)
+        yield Caution(CONTRADICTS.format(name, odd.together, odd.without, nodes))
     for placed in solved.placed.values():
         name = placed.sketch.name
         if placed.problem and solved.solid:

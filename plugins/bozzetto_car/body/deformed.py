@@ -8,6 +8,7 @@ from bozzetto_car.body.chain_smoothing import lock_ratios, smooth_chains
 from bozzetto_car.body.default_shape import pull_out_panels
 from bozzetto_car.body.edges_on_mesh import network_on_mesh
 from bozzetto_car.body.fair_lines import fair_network, with_creases_of_one_side
+from bozzetto_car.body.turned_lines import with_fewer_saddles
 from bozzetto_car.solver.pipeline import Solved
 from bozzetto_car.state import CarState
 from bozzetto_car.template.line_joints import with_joints
@@ -28,14 +29,19 @@ def right_after(base: Solved, state: CarState) -> Body:
 def deformed(base: Solved, state: CarState) -> Body:
     """Return the network right after deformation, as a body without edits."""
     template = with_joints(base.template, state.joints)
+    is_fair = base.mesh is None and base.joint is not None and state.annealed
     if base.mesh is not None:
         network = network_on_mesh(template, base.positions, base.mesh.mesh)
-    elif state.annealed and base.joint is not None:
+    elif is_fair:
         network = fair_network(template, base.positions)
     else:
         network = Network.of(template, base.positions)
     if state.joints:
         network = smooth_chains(network)
     if state.default_shape and base.joint is not None:
-        network = with_creases_of_one_side(pull_out_panels(network))
-    return Body(lock_ratios(network) if state.smooth else network, base)
+        network = pull_out_panels(network)
+        if not is_fair:
+            network = with_creases_of_one_side(network)
+    if state.smooth:
+        network = lock_ratios(network)
+    return Body(with_fewer_saddles(network) if is_fair else network, base)

@@ -248,9 +248,9 @@ def straightened(network: Network, held: Collection[tuple[int, int]] = ()) -> Ne
     held : collection of (edge, end)
         Tangents that stay.
     """
-    joined = _joined(network.template)
-    at_joint, senses = joined.at, joined.senses
-    stays = joined.crosses.copy()
+    joints = joined(network.template)
+    at_joint, senses = joints.at, joints.senses
+    stays = joints.crosses.copy()
     for end in held:
         stays[at_joint == at_joint[end]] = True
     chords = network.ends[:, 1] - network.ends[:, 0]
@@ -300,7 +300,7 @@ def _units(ways: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _Joined:
+class Joined:
     """Which ends of edges keep one direction.
 
     Attributes
@@ -319,7 +319,8 @@ class _Joined:
 
 
 @lru_cache(maxsize=KNOWN)
-def _joined(template: Template) -> _Joined:
+def joined(template: Template) -> Joined:
+    """Return which ends of edges keep one direction at the smooth joints of a template."""
     count = len(template.edges)
     at, senses = np.arange(2 * count).reshape(count, 2), np.ones((count, 2, 1))
     crosses = np.zeros((count, 2), bool)
@@ -329,7 +330,7 @@ def _joined(template: Template) -> _Joined:
             continue
         at[joint.after] = at[joint.before]
         senses[joint.before], senses[joint.after] = joint.senses
-    return _Joined(at, senses, crosses)
+    return Joined(at, senses, crosses)
 
 
 @lru_cache(maxsize=KNOWN)

@@ -39,7 +39,7 @@ TINY: Final = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
-class _Ends:
+class CreaseEnds:
     """Ends of the creases of the right half and the middle at which no two edges run on smoothly.
 
     Attributes
@@ -61,7 +61,8 @@ class _Ends:
 
 
 @lru_cache(maxsize=KNOWN)
-def _ends(template: Template) -> _Ends:
+def crease_ends(template: Template) -> CreaseEnds:
+    """Return the ends of creases whose angle follows from lines that do not run on there."""
     left = set(template.pairs[:, 1].tolist())
     joints = [frozenset((joint.before, joint.after)) for joint in junctions(template)]
     held = {end for joint in joints for end in joint}
@@ -84,7 +85,7 @@ def _ends(template: Template) -> _Ends:
                 beside.append(own)
     places = np.array(beside, np.intp).reshape(-1, 2, 2)
     free = [[(edge, end) not in held for edge, end in pair] for pair in places.tolist()]
-    return _Ends(
+    return CreaseEnds(
         np.array(creases, np.intp).reshape(-1, 2),
         places,
         np.where(places[:, :, 1:] == 0, 1.0, -1.0),
@@ -97,11 +98,11 @@ def end_angles(network: Network) -> Array:
 
     Above 0 the body bulges there; below it is hollow. Ends over which lines run on are left out.
     """
-    ends = _ends(network.template)
+    ends = crease_ends(network.template)
     return _angles(ends, network.tangents)
 
 
-def _angles(ends: _Ends, tangents: Array) -> Array:
+def _angles(ends: CreaseEnds, tangents: Array) -> Array:
     along = _units(tangents[ends.creases[:, 0], ends.creases[:, 1]])
     beside = ends.leaving * tangents[ends.beside[..., 0], ends.beside[..., 1]]
     one, other = cross_product(along, beside[:, 0]), cross_product(beside[:, 1], along)
@@ -116,16 +117,16 @@ def _units(ways: Array) -> Array:
 
 def turning_creases(network: Network) -> tuple[int, ...]:
     """Return the creases that bulge at one end and are hollow at the other."""
-    ends = _ends(network.template)
+    ends = crease_ends(network.template)
     angles = _angles(ends, network.tangents)
     bulging, hollow = (set(ends.creases[sign * angles > NEAR, 0].tolist()) for sign in (1.0, -1.0))
     return tuple(sorted(bulging & hollow))
 
 
 @lru_cache(maxsize=KNOWN)
-def _wanted(template: Template) -> tuple[Array, Array]:
+def wanted_angles(template: Template) -> tuple[Array, Array]:
     """Return the sign of each end's crease, and the least angle in it, times this sign."""
-    ends = _ends(template)
+    ends = crease_ends(template)
     angles = _angles(ends, template.tangents)
     sums = np.zeros(len(template.edges))
     np.add.at(sums, ends.creases[:, 0], angles)
@@ -144,8 +145,8 @@ def one_sided(network: Network) -> Network:
     network : Network
         The network to change.
     """
-    ends = _ends(network.template)
-    signs, least = _wanted(network.template)
+    ends = crease_ends(network.template)
+    signs, least = wanted_angles(network.template)
     tangents = np.array(network.tangents)
     sizes = np.linalg.norm(tangents, axis=2, keepdims=True)
     share = ends.free / np.maximum(ends.free.sum(axis=1, keepdims=True), 1)

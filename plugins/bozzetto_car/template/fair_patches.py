@@ -71,14 +71,10 @@ def fair_nets(network: Network) -> Array:
     (k, 4, 4, 3) float
         mm; read-only, for the very same network is not worked out twice.
     """
-    rows = _least_varying(network)
-    normals = rows.corners.normals(rows.nets)
-    free = np.flatnonzero(~rows.corners.held & (normals != 0.0).any(axis=1))
-    ways = rows.across[:, free, None] * normals[free]
-    form = (rows.form * (normals @ normals.T))[np.ix_(free, free)]
-    ways = ways.reshape(len(rows.nets), 4, len(free), 3)
+    rows = least_varying(network)
+    ways, form = rows.along_normals()
     creases = creases_between(network.template, tuple(rows.corners.patches.tolist()))
-    moved = bent_one_way(rows.nets, _FLAT, ways, form, creases)
+    moved = bent_one_way(rows.nets, FLAT, ways, form, creases)
     nets = rows.nets.copy()
     nets[:, *INNER] += np.einsum("n,kcnx->kcx", moved, ways)
     return frozen(_whole(network, rows.corners, nets), np.float64)
@@ -86,17 +82,17 @@ def fair_nets(network: Network) -> Array:
 
 def least_varying_nets(network: Network) -> Array:
     """Return the control nets of least variation alone, (k, 4, 4, 3) mm; see `fair_nets`."""
-    rows = _least_varying(network)
+    rows = least_varying(network)
     return _whole(network, rows.corners, rows.nets)
 
 
 @dataclass(frozen=True, eq=False)
-class _Rows:
+class Rows:
     """The patches of the right half with least variation.
 
     Attributes
     ----------
-    corners : _Corners
+    corners : Corners
     nets : (r, 4, 4, 3) float
         mm.
     across : (4 r, n) float
@@ -105,14 +101,31 @@ class _Rows:
         The variation by the rows.
     """
 
-    corners: _Corners
+    corners: Corners
     nets: Array
     across: Array
     form: Array
 
+    def along_normals(self) -> tuple[Array, Array]:
+        """Return how inner control points move, one unknown a row, each along its normal.
 
-def _least_varying(network: Network) -> _Rows:
-    corners = _corners(network.template)
+        Returns
+        -------
+        ways : (r, 4, n, 3) float
+            Rows beside the middle, and those without a normal, are left out.
+        form : (n, n) float
+            The variation by these unknowns.
+        """
+        normals = self.corners.normals(self.nets)
+        free = np.flatnonzero(~self.corners.held & (normals != 0.0).any(axis=1))
+        ways = self.across[:, free, None] * normals[free]
+        form = (self.form * (normals @ normals.T))[np.ix_(free, free)]
+        return ways.reshape(len(self.nets), 4, len(free), 3), form
+
+
+def least_varying(network: Network) -> Rows:
+    """Return the patches of the right half that vary least, and how they go on from there."""
+    corners = corners_of(network.template)
     nets = coons_nets(network.control_points, network.template.sides)[corners.patches]
     across = corners.factors(network)[:, None] * corners.member
     count = across.shape[1]
@@ -123,10 +136,10 @@ def _least_varying(network: Network) -> _Rows:
     free = np.flatnonzero(~corners.held)
     twists[free, ::2] = np.linalg.solve(form[np.ix_(free, free)], right[free, ::2])
     nets[:, *INNER] += (across @ twists).reshape(-1, 4, 3)
-    return _Rows(corners, nets, across, form)
+    return Rows(corners, nets, across, form)
 
 
-def _whole(network: Network, corners: _Corners, right: Array) -> Array:
+def _whole(network: Network, corners: Corners, right: Array) -> Array:
     """Return the patches of both halves with the inner control points of the right one."""
     nets = coons_nets(network.control_points, network.template.sides)
     inner = right[:, *INNER]
@@ -136,7 +149,7 @@ def _whole(network: Network, corners: _Corners, right: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Corners:
+class Corners:
     """Corners of the patches of the right half, each as one of a row round its node.
 
     Attributes
@@ -190,7 +203,7 @@ class _Corners:
 
 
 @lru_cache(maxsize=KNOWN)
-def _corners(template: Template) -> _Corners:
+def corners_of(template: Template) -> Corners:
     """Return what follows from a template alone."""
     left = set(template.pairs[:, 1].tolist())
     right = [k for k, patch in enumerate(template.patches) if left.isdisjoint(patch.nodes)]
@@ -235,7 +248,7 @@ def _corners(template: Template) -> _Corners:
     for row, corners in enumerate(rows):
         for patch, corner in corners:
             member[number[patch], corner, row] = 1.0
-    return _Corners(
+    return Corners(
         np.array(right),
         np.array([_images(template, patch) for patch in right]),
         member.reshape(-1, len(rows)),
@@ -270,7 +283,7 @@ def _images(template: Template, patch: int) -> list[tuple[int, int]]:
     return [(image, template.patches[image].nodes.index(node)) for node in nodes]
 
 
-def _variation() -> Array:
+def variation() -> Array:
     """Return the sum of squared third derivatives of a patch as a form of its control points.
 
     Returns
@@ -286,9 +299,11 @@ def _variation() -> Array:
     return np.asarray(sum(np.kron(products[k], products[3 - k]) for k in range(4)))
 
 
-_FLAT: Final = tuple(4 * i + j for i, j in zip(*INNER, strict=True))
-_BY_NET: Final = _variation()[list(_FLAT)]
+FLAT: Final = tuple(4 * i + j for i, j in zip(*INNER, strict=True))
+"""Numbers of the inner control points in a net."""
+
+_BY_NET: Final = variation()[list(FLAT)]
 """How each inner control point would change the variation, by all points of its net, (4, 16)."""
 
-_BESIDE: Final = _BY_NET[:, list(_FLAT)]
+_BESIDE: Final = _BY_NET[:, list(FLAT)]
 """The same by the inner points alone, (4, 4)."""

@@ -1,29 +1,28 @@
-"""Patches that bend one way where their lines let them: inner control points move along normals.
+"""Patches that bend one way where they can: control points move a little.
 
 Of all patches between the same lines those of least variation (`fair_patches`) still bend to both
-sides in places where they need not. Here inner control points move a little more, each along the
-normal of its corner, until
+sides in places where they need not. Here control points move a little more, inner ones along the
+normals of their corners, and those of lines where these may turn (`body.turned_lines`), until
 
     V + w Σ a² ρ(s) + c Σ m²,    s = k₁ k₂ / (k₂ - k₁) where k₁ k₂ < 0, else 0
 
 is least: V is the variation of `fair_patches`, the first sum goes over places of all patches, and
-m is what weak creases miss (`weak_creases`). s is half the harmonic mean of the two curvatures of a
-saddle, so about the smaller one. ρ is the pseudo-Huber loss (Charbonnier et al. 1997,
-"Deterministic edge-preserving regularization in computed imaging"), with which it is the area of
-saddles that counts, and hardly their depth: what lines force stays, and is not made up for
-elsewhere. The least is found by steps of Gauss and Newton's method with iterated weights; their
-number is fixed, so that a body that moves a little has patches that move a little.
+m is what creases miss (`weak_creases`; `crease_angles` where lines turn). s is half the harmonic
+mean of the two curvatures of a saddle, so about the smaller one. ρ is the pseudo-Huber loss
+(Charbonnier et al. 1997, "Deterministic edge-preserving regularization in computed imaging"), with
+which it is the area of saddles that counts, and hardly their depth: what lines force stays, and is
+not made up for elsewhere. The least is found by steps of Gauss and Newton's method with iterated
+weights; their number is fixed, so that a body that moves a little has patches that move a little.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from bozzetto.arrays import Array, cross_product
 from bozzetto.geometry.patches import bernstein
-from bozzetto_car.template.weak_creases import Creases
 
 PLACES: Final = np.linspace(0.1, 0.9, 4)
 """Parameters, in both directions, of the places in which patches are looked at. Sides have the
@@ -55,36 +54,54 @@ def _products() -> Array:
 _DERIVED: Final = _products()
 
 
+class Missing(Protocol):
+    """What creases should have and have not."""
+
+    def missing(self, nets: Array, ways: Array) -> tuple[Array, Array]:
+        """Return what is missing, (c,) mm, and how it changes with the unknowns, (c, n)."""
+
+
 def bent_one_way(
-    nets: Array, inner: tuple[int, ...], ways: Array, form: Array, creases: Creases
+    nets: Array,
+    free: tuple[int, ...],
+    ways: Array,
+    form: Array,
+    creases: Missing,
+    *,
+    gently: bool = False,
 ) -> Array:
-    """Return how far inner control points move for least saddles, (n,).
+    """Return how far control points move for least saddles, (n,).
 
     Parameters
     ----------
     nets : (k, 4, 4, 3) float
         Patches of least variation, mm.
-    inner : tuple of int
-        Numbers 0 … 15 of the inner control points in a net.
-    ways : (k, 4, n, 3) float
-        How each inner control point moves with each unknown.
+    free : tuple of int
+        Numbers 0 … 15 of the f control points of a net that move.
+    ways : (k, f, n, 3) float
+        How each of them moves with each unknown.
     form : (n, n) float
         The variation by the unknowns, from its least, is half of this form; it is positive.
-    creases : Creases
-        The creases between the patches.
+    creases : Missing
+        What creases between the patches should have.
+    gently : bool
+        Whether saddles that have just come to be count for nothing, and for half at `SHALLOW`. The
+        few steps then lead to patches that leap less when lines turn with them.
     """
     count = len(form)
     begun = nets.reshape(-1, 16, 3)
-    by_point = ways.transpose(0, 1, 3, 2).reshape(len(nets), 12, count)
+    by_point = ways.transpose(0, 1, 3, 2).reshape(len(nets), 3 * len(free), count)
     size = float(np.ptp(nets[..., 0]))
     moved = np.zeros(count)
     for _ in range(STEPS):
         now = begun.copy()
-        now[:, list(inner)] += (by_point @ moved).reshape(-1, 4, 3)
-        depths, slopes, areas = _saddles(now, inner)
+        now[:, list(free)] += (by_point @ moved).reshape(-1, len(free), 3)
+        depths, slopes, areas = _saddles(now, free)
         loss = 1.0 / np.sqrt(1.0 + (depths * (size / SHALLOW)) ** 2)
+        if gently:
+            loss *= depths / (depths + SHALLOW / size)
         weights = WEIGHT * areas.mean(axis=1, keepdims=True) * areas / len(areas[0]) * loss
-        rows = (slopes.reshape(*depths.shape, 12) @ by_point).reshape(depths.size, count)
+        rows = (slopes.reshape(*depths.shape, -1) @ by_point).reshape(depths.size, count)
         weighted = rows.T * weights.ravel()
         short, turns = creases.missing(now, ways)
         matrix = form + weighted @ rows + STIFF * turns.T @ turns
@@ -93,22 +110,22 @@ def bent_one_way(
     return moved
 
 
-def _saddles(nets: Array, inner: tuple[int, ...]) -> tuple[Array, Array, Array]:
+def _saddles(nets: Array, free: tuple[int, ...]) -> tuple[Array, Array, Array]:
     """Return s of the module's head, 0 where a patch bends one way, and how it changes.
 
     Parameters
     ----------
     nets : (k, 16, 3) float
         Control points, mm.
-    inner : tuple of int
-        Numbers of the inner ones.
+    free : tuple of int
+        Numbers of the f that move.
 
     Returns
     -------
     depths : (k, p) float
         s in each place, 1/mm.
-    slopes : (k, p, 4, 3) float
-        Its derivatives by the inner control points; normals and lengths count as fixed.
+    slopes : (k, p, f, 3) float
+        Its derivatives by these control points; normals and lengths count as fixed.
     areas : (k, p) float
         Area per unit of both parameters, mm².
     """
@@ -142,7 +159,7 @@ def _saddles(nets: Array, inner: tuple[int, ...]) -> tuple[Array, Array, Array]:
     )
     by_bend = sum(
         part[..., None] * by_point
-        for part, by_point in zip(parts, _DERIVED[2:, :, list(inner)], strict=True)
+        for part, by_point in zip(parts, _DERIVED[2:, :, list(free)], strict=True)
     )
     slopes = np.where(saddle[..., None], by_bend, 0.0)[..., None] * normals[..., None, :]
     return depths, slopes, areas
