@@ -120,30 +120,67 @@ def opened(network: Network, widest: float = WIDEST, most: float = 360.0) -> Net
     most : float
         Angle from which a corner stays: the patch is bent in there, and has a normal.
     """
-    template = network.template
-    held = {end for joint in junctions(template) for end in (joint.before, joint.after)}
+    corners = _patch_corners(network.template)
+    places = network.positions[corners.nodes]
+    normals = cross_product(places[:, 2] - places[:, 0], places[:, 3] - places[:, 1])
+    ways = corners.leaving * network.tangents[corners.ends[..., 0], corners.ends[..., 1]]
+    openings = inside_angle(ways[:, 0], ways[:, 1], np.repeat(normals, 4, axis=0))
     moves: dict[tuple[int, int], Array] = {}
-    for patch in template.patches:
-        if patch.name.endswith(".L"):
+    for at in np.flatnonzero((widest < openings) & (openings < most)).tolist():
+        patch, number = divmod(at, 4)
+        free = np.flatnonzero(corners.free[at]).tolist()
+        if not free:
             continue
-        places = network.positions[list(patch.nodes)]
-        normal = cross_product(places[2] - places[0], places[3] - places[1])
-        for number in range(4):
-            # The edge after the corner leaves it, the one before leads to it.
-            ends = [_end_at(patch.edges[number]), _end_at(~patch.edges[number - 1])]
-            ways = [_leaving(network, end) for end in ends]
-            opening = inside_angle(ways[0], ways[1], normal)
-            free = [k for k in (0, 1) if ends[k] not in held]
-            if not widest < opening < most or not free:
-                continue
-            inside = places[(number + 2) % 4] - places[number]
-            turn = np.radians(opening - widest) / len(free)
-            for k in free:
-                move = _turned(ways[k], inside, turn) - ways[k]
-                moves[ends[k]] = moves.get(ends[k], 0.0) + (move if ends[k][1] == 0 else -move)
+        inside = places[patch, (number + 2) % 4] - places[patch, number]
+        turn = np.radians(openings[at] - widest) / len(free)
+        for k in free:
+            edge, end = corners.ends[at, k].tolist()
+            move = _turned(ways[at, k], inside, turn) - ways[at, k]
+            moves[edge, end] = moves.get((edge, end), 0.0) + (move if end == 0 else -move)
     sizes = {end: np.linalg.norm(network.tangents[end]) for end in moves}
     turned = {end: sizes[end] * _units(network.tangents[end] + by) for end, by in moves.items()}
     return with_tangents(network, turned)
+
+
+@dataclass(frozen=True, eq=False)
+class _PatchCorners:
+    """The corners of the patches of the right half and the middle, four a patch.
+
+    Attributes
+    ----------
+    nodes : (p, 4) int
+        Of each patch.
+    ends : (4 p, 2, 2) int
+        Of each corner: edge, and which end of it, of the edge after it and of the one before.
+    leaving : (4 p, 2, 1) float
+        1 where such a tangent leaves the node, -1 where it leads to it.
+    free : (4 p, 2) bool
+        Ends that belong to no chain.
+    """
+
+    nodes: Index
+    ends: Index
+    leaving: Array
+    free: Flags
+
+
+@lru_cache(maxsize=KNOWN)
+def _patch_corners(template: Template) -> _PatchCorners:
+    held = {end for joint in junctions(template) for end in (joint.before, joint.after)}
+    patches = [patch for patch in template.patches if not patch.name.endswith(".L")]
+    # The edge after a corner leaves it, the one before leads to it.
+    ends = [
+        (_end_at(patch.edges[number]), _end_at(~patch.edges[number - 1]))
+        for patch in patches
+        for number in range(4)
+    ]
+    places = np.array(ends, np.intp)
+    return _PatchCorners(
+        np.array([patch.nodes for patch in patches], np.intp),
+        places,
+        np.where(places[..., 1:] == 0, 1.0, -1.0),
+        np.array([[end not in held for end in pair] for pair in ends]),
+    )
 
 
 def _end_at(edge: int) -> tuple[int, int]:
@@ -151,29 +188,30 @@ def _end_at(edge: int) -> tuple[int, int]:
     return (edge, 0) if edge >= 0 else (~edge, 1)
 
 
-def _leaving(network: Network, end: tuple[int, int]) -> Array:
-    """Return the tangent with which an edge leaves one of its ends."""
-    tangent = network.tangents[end]
-    return np.asarray(tangent if end[1] == 0 else -tangent)
+def inside_angle(ahead: Array, back: Array, normal: Array) -> Array:
+    """Return the angles inside corners of patches seen along their normals, 0 to 360 degrees.
 
-
-def inside_angle(ahead: Array, back: Array, normal: Array) -> float:
-    """Return the angle inside a corner of a patch seen along its normal, 0 to 360 degrees.
-
-    Above 180 degrees the patch is bent in there.
+    Above 180 degrees a patch is bent in there.
 
     Parameters
     ----------
-    ahead, back : (3,) float
+    ahead, back : (..., 3) float
         Tangents of the next and of the previous edge as they leave the corner; the patch runs
         anticlockwise seen from outside.
-    normal : (3,) float
-        Normal of the patch, outward.
+    normal : (..., 3) float
+        Normals of the patches, outward.
+
+    Returns
+    -------
+    (...) float
     """
-    ahead, back = (way * (normal @ normal) - (way @ normal) * normal for way in (ahead, back))
-    size = max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
-    sine = cross_product(ahead, back) @ normal / size
-    return float(np.degrees(np.arctan2(sine, ahead @ back)) % 360.0)
+    squares = (normal**2).sum(axis=-1, keepdims=True)
+    ahead, back = (
+        way * squares - (way * normal).sum(axis=-1, keepdims=True) * normal for way in (ahead, back)
+    )
+    size = np.maximum(np.sqrt(squares[..., 0]), np.finfo(float).tiny)
+    sine = (cross_product(ahead, back) * normal).sum(axis=-1) / size
+    return np.asarray(np.degrees(np.arctan2(sine, (ahead * back).sum(axis=-1))) % 360.0)
 
 
 def _turned(way: Array, toward: Array, angle: float) -> Array:
