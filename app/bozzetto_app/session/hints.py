@@ -9,6 +9,7 @@ of the tool; on an empty sheet with the first tool in the hand, that of the mode
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
@@ -21,7 +22,7 @@ from bozzetto_app.workers.channel import LATE_AFTER, Channel, Request
 if TYPE_CHECKING:
     from bozzetto.document import Document
     from bozzetto.document.model import Model
-    from bozzetto.plugin.job import Job
+    from bozzetto.plugin.context import Context
     from bozzetto.workbench.workbench import Workbench
     from bozzetto_app.session.document_model import DocumentModel
     from bozzetto_app.session.gesture_context import GestureContext
@@ -134,14 +135,19 @@ class Hints(QObject):
             self._answer = None
         if question is None:
             return
-        bench, context = self._workbench, self._context.now()
+        bench, model = self._workbench, question.model
 
-        def work(job: Job) -> NextStep:
-            tool = bench.tool(question.modeler, question.tool)
-            if question.model is not None:
-                return bench.next_step(question.model, tool)
+        def of_model(model: Model) -> NextStep:
+            return bench.next_step(model, bench.tool(question.modeler, question.tool))
+
+        def of_begun(context: Context) -> NextStep:
             begun = bench.create(question.modeler, context)
-            return replace(bench.next_step(begun, tool), place=None)  # it is not on the sheet
+            return replace(of_model(begun), place=None)  # it is not on the sheet
+
+        if model is None:
+            told = partial(of_begun, self._context.now())
+        else:
+            told = partial(of_model, model)
 
         def done(step: NextStep) -> None:
             if question is self._asked:
@@ -158,7 +164,7 @@ class Hints(QObject):
             self._notices.complain(problem)
             self.look()
 
-        self.channel.submit(Request(work, done, failed))
+        self.channel.submit(Request(lambda job: told(), done, failed))
 
     def _question(self) -> _Question | None:
         """Return what to ask; of an object that the first tool would begin its hint says enough."""
