@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bozzetto.arrays import Array
-from bozzetto.ink import Stroke, resample
+from bozzetto.ink import Stroke, carried_places, resample
 from bozzetto.plugin import Context
 from bozzetto_symmetry.commands import all_commands
 from bozzetto_symmetry.ink.continuation import OpenLine, continuation, meeting
@@ -174,6 +174,23 @@ def test_strokes_in_other_views_are_no_pieces() -> None:
     state = add_strokes(SymmetryState(), (one,))
     seen = Stroke(*(one.points[-1] + ARC[:100] - ARC[0]).T, other)
     assert open_links(add_strokes(state, (seen,)).curves[-1], state) == ()
+
+
+@pytest.mark.parametrize("seed", [7301, 7308])
+def test_pieces_drawn_while_the_window_changes_its_size_are_read_alike(seed: int) -> None:
+    thing = lifted(seed, 1.0)
+    resized = []
+    for number, stroke in enumerate(thing.strokes):
+        camera = stroke.camera
+        if number % 2:
+            width, height = camera.viewport
+            camera = camera.with_viewport(1.5 * width, 1.5 * height)
+        places = carried_places(stroke.points, stroke.camera, camera)
+        resized.append(Stroke(*places.T, camera))
+    before, after = (add_drawing(SymmetryState(), strokes) for strokes in (thing.strokes, resized))
+    assert len(before.curves) == len(after.curves) == 1
+    assert trace_of(after.curves[0], after).reading == thing.reading
+    assert after.curves[0].pieces == before.curves[0].pieces
 
 
 # -- what a person is told, and can do ---------------------------------------------------------
